@@ -1,0 +1,1 @@
+"""Clouds, trained maps and results that ship with the program; ATTRIBUTION.md says where they come from."""

@@ -1,0 +1,190 @@
+"""Learned maps and the file that holds them: one self-describing .npz, never a pickle."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ido.clouds import Model
+from ido.histograms import HISTOGRAMS, Histogram
+from ido.perturbation import OutlierKind
+from ido.types import FloatArray
+
+FORMAT = "ido-maps-1"
+
+
+class MapsError(ValueError):
+    """A maps file cannot be used; the message says why and what to do."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrainingSettings:
+    """How maps are trained; the defaults are the paper's.
+
+    Args:
+        samples: number of training scenes N.
+        maps: number of maps K.
+        ridge: λ of the regression.
+        outlier_kind: kind of the training outliers.
+        seed: draws the training scenes.
+
+    Raises:
+        ValueError: a value is out of range.
+    """
+
+    samples: int = 30_000
+    maps: int = 30
+    ridge: float = 2e-4
+    outlier_kind: OutlierKind = "uniform"
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.samples < 2 or self.maps < 1:
+            raise ValueError("training needs at least 2 samples and 1 map")
+        if not (np.isfinite(self.ridge) and self.ridge > 0):
+            raise ValueError(f"the ridge must be a positive number, not {self.ridge}")
+        if self.seed < 0:
+            raise ValueError(f"seed must not be negative, not {self.seed}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrainingCurves:
+    """The training error ‖x* - x_k‖² after k = 0 .. K maps.
+
+    Args:
+        mean: shape (K + 1,).
+        deviation: standard deviation over the samples, shape (K + 1,).
+        translation: mean of the part in ρ, shape (K + 1,).
+        rotation: mean of the part in φ, shape (K + 1,).
+        residuals: x* - x_k of up to 600 random samples, shape (K + 1, n, 6), float32.
+    """
+
+    mean: FloatArray
+    deviation: FloatArray
+    translation: FloatArray
+    rotation: FloatArray
+    residuals: FloatArray
+
+    @property
+    def always_falls(self) -> bool:
+        """Whether Theorem 1 held: the mean error fell at every map."""
+        return bool((np.diff(self.mean) < 0).all())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Maps:
+    """A trained method: everything that registering needs, and how it came to be.
+
+    Args:
+        maps: D_1 .. D_K, shape (K, 6, n_bins), float32.
+        histogram: the histogram, with its model.
+        centre: of the cloud it was trained on, in the user's units, shape (3,).
+        scale: user's units per model unit.
+        settings: as trained.
+        curves: the training error.
+        version: of the library that trained them.
+    """
+
+    maps: FloatArray
+    histogram: Histogram
+    centre: FloatArray
+    scale: float
+    settings: TrainingSettings
+    curves: TrainingCurves
+    version: str
+
+    @property
+    def complete(self) -> bool:
+        """False when training was interrupted before the last map."""
+        return len(self.maps) == self.settings.maps
+
+    def save(self, path: str | Path) -> None:
+        """Write to one .npz; a file that is already there is replaced only when the new one is whole."""
+        path = Path(path)
+        header = {
+            "format": FORMAT,
+            "histogram": self.histogram.name,
+            "settings": asdict(self.settings),
+            "version": self.version,
+        }
+        arrays = {
+            "header": np.array(json.dumps(header)),
+            "maps": self.maps.astype(np.float32),
+            "model_points": self.histogram.model.points,
+            "model_normals": self.histogram.model.normals,
+            "centre": self.centre,
+            "scale": np.array(self.scale),
+            **{f"curves_{name}": values for name, values in asdict(self.curves).items()},
+        }
+        arrays["curves_residuals"] = self.curves.residuals.astype(np.float16)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".npz")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                np.savez_compressed(file, allow_pickle=False, **arrays)
+            os.replace(temporary, path)
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+
+    @classmethod
+    def load(cls, path: str | Path, histograms: Mapping[str, type[Histogram]] = HISTOGRAMS) -> Maps:
+        """Read a file that `save` wrote.
+
+        Args:
+            path: the .npz.
+            histograms: the histograms it may name; pass your own besides `HISTOGRAMS` to load maps trained on it.
+
+        Raises:
+            MapsError: missing, truncated, damaged or foreign file, or one whose parts do not fit together.
+        """
+        path = Path(path)
+        if not path.is_file():
+            raise MapsError(f"{path}: no such file; make one with `ido train`")
+        if not zipfile.is_zipfile(path):
+            raise MapsError(f"{path.name}: not a maps file, or cut off; make one with `ido train`")
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+        except Exception as error:  # zlib, zipfile and NumPy each raise their own
+            raise MapsError(f"{path.name}: damaged ({error}); make it again with `ido train`") from error
+        try:
+            return cls._of(arrays, histograms)
+        except MapsError as error:
+            raise MapsError(f"{path.name}: {error}") from error
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise MapsError(f"{path.name}: not a maps file of this program ({error})") from error
+
+    @classmethod
+    def _of(cls, arrays: Mapping[str, np.ndarray], histograms: Mapping[str, type[Histogram]]) -> Maps:
+        header = json.loads(str(arrays["header"]))
+        if header["format"] != FORMAT:
+            raise MapsError(f"its format is {header['format']!r}, this program reads {FORMAT!r}")
+        if header["histogram"] not in histograms:
+            raise MapsError(f"its histogram {header['histogram']!r} is unknown; known: {', '.join(histograms)}")
+        model = Model(arrays["model_points"], arrays["model_normals"])
+        histogram = histograms[header["histogram"]](model)
+        curves = {name: arrays[f"curves_{name}"] for name in TrainingCurves.__slots__}
+        made = cls(
+            arrays["maps"],
+            histogram,
+            arrays["centre"],
+            float(arrays["scale"]),
+            TrainingSettings(**header["settings"]),
+            TrainingCurves(**curves),
+            header["version"],
+        )
+        n_maps = len(made.maps)
+        if model.points.ndim != 2 or model.points.shape[1] != 3 or model.normals.shape != model.points.shape:
+            raise MapsError(f"model points {model.points.shape} and normals {model.normals.shape} do not fit")
+        if n_maps == 0 or made.maps.shape != (n_maps, 6, histogram.n_bins):
+            raise MapsError(f"maps of shape {made.maps.shape} do not fit {histogram.n_bins} bins")
+        if not all(np.isfinite(a).all() for a in (made.maps, model.points, model.normals, made.centre, made.scale)):
+            raise MapsError("it holds numbers that are not finite")
+        return made

@@ -1,0 +1,46 @@
+"""Scores of a registration against the true pose (paper, "Training and Evaluation Criteria")."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ido import poses
+from ido.perturbation import Scene
+from ido.types import FloatArray
+
+ACCURACY_THRESHOLD = 0.1
+"""t_pt: a point within this distance of its true place counts as registered (model units)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scores:
+    """Scores of one pose or of many, each a number or an array of the poses' leading shape.
+
+    Args:
+        accuracy: PointAcc, share of the true scene points (no outliers) within 0.1 of their true place.
+        rmse: PointRMSE, root mean square of those distances (model units).
+        rotation: angle of the rotation error (degrees).
+        translation: length of the translation error (model units).
+    """
+
+    accuracy: FloatArray
+    rmse: FloatArray
+    rotation: FloatArray
+    translation: FloatArray
+
+
+def score(scene: Scene, T_model_scene: FloatArray) -> Scores:
+    """Scores of estimated poses, shape (..., 4, 4), of a scene."""
+    T = np.asarray(T_model_scene, dtype=np.float64)
+    points = scene.points[~scene.is_outlier].astype(np.float64)
+    squared = ((poses.transform(T, points) - poses.transform(scene.T_model_scene, points)) ** 2).sum(axis=-1)
+    difference = scene.T_model_scene[:3, :3].T @ T[..., :3, :3]
+    return Scores(
+        accuracy=(squared < ACCURACY_THRESHOLD**2).mean(axis=-1),
+        rmse=np.sqrt(squared.mean(axis=-1)),
+        rotation=np.rad2deg(Rotation.from_matrix(difference).magnitude()),
+        translation=np.linalg.norm(T[..., :3, 3] - scene.T_model_scene[:3, 3], axis=-1),
+    )

@@ -1,0 +1,139 @@
+"""Training: many perturbed scenes become a sequence of maps (paper, Algorithm 1)."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+
+import numpy as np
+import scipy.linalg
+
+from ido import poses
+from ido.clouds import Cloud
+from ido.histograms import Histogram, SceneBatch
+from ido.maps import Maps, TrainingCurves, TrainingSettings
+from ido.perturbation import RANGES, Perturbation, perturb
+from ido.types import FloatArray
+
+SHOWN_SAMPLES = 600
+"""Samples whose errors are kept for the paper's training-curve figure."""
+
+_CHUNK = 1000  # scenes handed out at a time
+
+Progress = Callable[[int, float], None]
+"""Called with the number of maps trained so far and the mean training error ‖x* - x_k‖²."""
+
+
+def train(
+    cloud: Cloud,
+    histogram: Histogram,
+    settings: TrainingSettings | None = None,
+    *,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
+) -> Maps:
+    """Learn D_1 .. D_K.
+
+    At every map, D_{k+1} = argmin (1/N) Σ ‖x* - x_k + D h(x_k)‖² + λ ‖D‖²_F, then x_{k+1} = x_k - D_{k+1} h(x_k).
+    Ctrl-C ends it after the map at work; the maps finished by then are returned (`Maps.complete` is False).
+
+    Args:
+        cloud: what training scenes are drawn from.
+        histogram: the feature to learn on, with its model.
+        settings: the paper's unless given.
+        progress: called before the first map and after each.
+        executor: shares the scenes out; without one, the histogram's `batch` runs here. The maps are the same.
+
+    Raises:
+        KeyboardInterrupt: interrupted before the first map was finished.
+    """
+    settings = settings or TrainingSettings()
+    scenes, x_true = training_scenes(cloud, settings)
+    x = np.zeros_like(x_true)
+    shown = np.random.default_rng(settings.seed).permutation(len(x))[:SHOWN_SAMPLES]
+    maps: list[FloatArray] = []
+    residuals = [x_true - x]
+    errors = [_errors(residuals[0])]
+    kept = [residuals[0][shown]]
+    try:
+        for k in range(settings.maps):
+            if progress:
+                progress(k, errors[-1][0])
+            h = _histograms(histogram, scenes, x, executor)
+            D = solve(h, x - x_true, settings.ridge)
+            x = x - h @ D.T
+            maps.append(D)
+            errors.append(_errors(x_true - x))
+            kept.append((x_true - x)[shown])
+            if not errors[-1][0] < errors[-2][0]:
+                warnings.warn(f"the training error did not fall at map {k + 1} (Theorem 1)", stacklevel=2)
+        if progress:
+            progress(settings.maps, errors[-1][0])
+    except KeyboardInterrupt:
+        if not maps:
+            raise
+    n = len(maps) + 1  # an interrupt may fall between two appends
+    mean, deviation, translation, rotation = np.array(errors[:n]).T
+    return Maps(
+        maps=np.stack(maps),
+        histogram=histogram,
+        centre=cloud.centre,
+        scale=cloud.scale,
+        settings=settings,
+        curves=TrainingCurves(mean, deviation, translation, rotation, np.stack(kept[:n]).astype(np.float32)),
+        version=importlib.metadata.version("ido-explorer"),
+    )
+
+
+def training_scenes(cloud: Cloud, settings: TrainingSettings) -> tuple[SceneBatch, FloatArray]:
+    """The training scenes and their true x* (N, 6): every perturbation uniform in the paper's training range."""
+    rng = np.random.default_rng(settings.seed)
+    low, high = np.array([allowed.train for allowed in RANGES.values()]).T
+    draws = rng.uniform(low, high, (settings.samples, len(RANGES)))
+    seeds = rng.integers(0, 2**32, settings.samples)
+    scenes = []
+    for draw, seed in zip(draws, seeds, strict=True):
+        values = {n: round(v) if n in ("points", "outliers") else v for n, v in zip(RANGES, draw, strict=True)}
+        perturbation = Perturbation(**values, outlier_kind=settings.outlier_kind, seed=int(seed))
+        scenes.append(perturb(cloud, perturbation))
+    x_true = poses.log(np.stack([scene.T_model_scene for scene in scenes]))
+    return SceneBatch.of([scene.points for scene in scenes]), x_true
+
+
+def solve(h: FloatArray, step: FloatArray, ridge: float) -> FloatArray:
+    """The map D = [(1/N) Σ step hᵀ] [(1/N) Σ h hᵀ + λI]⁻¹ that predicts each step from its histogram.
+
+    Args:
+        h: histograms, shape (N, n_bins), float32.
+        step: x_k - x*, shape (N, 6).
+        ridge: λ.
+
+    Returns:
+        shape (6, n_bins), float32.
+    """
+    gram = (h.T @ h).astype(np.float64) / len(h)
+    gram[np.diag_indices_from(gram)] += ridge
+    cross = h.T @ step.astype(np.float32) / np.float32(len(h))
+    factor = scipy.linalg.cho_factor(gram, overwrite_a=True, check_finite=False)
+    D = scipy.linalg.cho_solve(factor, cross.astype(np.float64), check_finite=False)
+    return np.ascontiguousarray(D.T, dtype=np.float32)
+
+
+def _histograms(histogram: Histogram, scenes: SceneBatch, x: FloatArray, executor: Executor | None) -> FloatArray:
+    h = np.empty((len(scenes), histogram.n_bins), dtype=np.float32)
+    parts = [(begin, min(begin + _CHUNK, len(scenes))) for begin in range(0, len(scenes), _CHUNK)]
+    batches = [scenes.part(*part) for part in parts]
+    poses_x = [x[begin:end] for begin, end in parts]
+    rows: Iterator[FloatArray] = (executor.map if executor else map)(histogram.batch, batches, poses_x)
+    for (begin, end), row in zip(parts, rows, strict=True):
+        h[begin:end] = row
+    return h
+
+
+def _errors(residual: FloatArray) -> tuple[float, float, float, float]:
+    """Mean and deviation of ‖x* - x‖², and the means of its translation and rotation parts."""
+    squares = residual**2
+    total = squares.sum(axis=1)
+    return total.mean(), total.std(), squares[:, :3].sum(axis=1).mean(), squares[:, 3:].sum(axis=1).mean()
