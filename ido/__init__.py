@@ -1,0 +1,45 @@
+"""Discriminative Optimization (DO) and Improved DO for rigid registration of 3D point clouds.
+
+In the order of the paper: a cloud, a perturbation that makes a scene of it, a histogram that describes the scene at a
+pose, training that turns many scenes into maps, registration that walks the maps, and scores.
+"""
+
+from ido.clouds import Cloud, CloudError, Model, load_cloud
+from ido.histograms import HISTOGRAMS, AsPrinted, FrontBack, Histogram, SceneBatch, TripleBinary
+from ido.maps import Maps, MapsError, TrainingCurves, TrainingSettings
+from ido.perturbation import RANGES, Perturbation, Scene, perturb
+from ido.registration import StopReason, Trajectory, register, register_batch
+from ido.scores import Scores, score
+from ido.shipped import SHAPES, shipped_cloud, shipped_maps
+from ido.training import train
+
+__all__ = [
+    "HISTOGRAMS",
+    "RANGES",
+    "SHAPES",
+    "AsPrinted",
+    "Cloud",
+    "CloudError",
+    "FrontBack",
+    "Histogram",
+    "Maps",
+    "MapsError",
+    "Model",
+    "Perturbation",
+    "Scene",
+    "SceneBatch",
+    "Scores",
+    "StopReason",
+    "Trajectory",
+    "TrainingCurves",
+    "TrainingSettings",
+    "TripleBinary",
+    "load_cloud",
+    "perturb",
+    "register",
+    "register_batch",
+    "score",
+    "shipped_cloud",
+    "shipped_maps",
+    "train",
+]

@@ -253,9 +253,7 @@ def _describe(
 
 
 @njit(cache=True, nogil=True)
-def histogram(
-    points: FloatArray, x: FloatArray, model: BoxedModel, weights: FloatArray, unit_norm: bool
-) -> FloatArray:
+def histogram(points: FloatArray, x: FloatArray, model: BoxedModel, weights: FloatArray, unit_norm: bool) -> FloatArray:
     """The histogram of one scene, points (S, 3), moved by x; shape (2M,) or (6M,), float32."""
     out = np.empty(weights.shape, np.float32)
     _describe(points, x, model, weights, unit_norm, out)
