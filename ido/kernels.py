@@ -3,7 +3,7 @@
 Front / back weighs every scene point against every model point, and dominates everything else. The weight
 exp(-d²/σ²) is below 1e-6 for nine pairs out of ten, so the model points are put into small boxes, the scene points
 within reach of a box are gathered, first for a group of boxes and then for each, and only those are weighed.
-Coordinates are scaled so that the weight is 2^-d²; its exponential is a quartic times a power of two put together from bits.
+Coordinates are scaled so that the weight is 2^-d², computed as a quartic times a power of two put together from bits.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A perturbation is a value; with a cloud it makes one scene, always the same (paper, "Experimental Dataset Preparation").
+"""A perturbation is a value; with a cloud it makes one scene, always the same (paper, "Experimental Dataset").
 
 Each of the six kinds draws from a random stream of its own, so that neighbouring values give neighbouring scenes: a
 larger noise scales the same noise, more outliers keep the earlier ones, a longer translation keeps its direction.
@@ -7,7 +7,7 @@ larger noise scales the same noise, more outliers keep the earlier ones, a longe
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -89,16 +89,6 @@ class Perturbation:
             raise ValueError(f"seed must not be negative, not {self.seed}")
         if self.outlier_kind not in get_args(OutlierKind):
             raise ValueError(f"outlier_kind must be one of {get_args(OutlierKind)}, not {self.outlier_kind!r}")
-
-    def clamped(self, **changes: float | str) -> Perturbation:
-        """A copy with changes, each brought into the range of the paper's sweep."""
-        kinds = {field.name: type(getattr(self, field.name)) for field in fields(self)}
-        values: dict[str, float | str] = {}
-        for name, value in changes.items():
-            if name in RANGES:
-                value = float(np.clip(np.nan_to_num(float(value)), RANGES[name].low, RANGES[name].high))
-            values[name] = kinds[name](value)
-        return replace(self, **values)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
