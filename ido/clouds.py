@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -33,44 +34,57 @@ class CloudError(ValueError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cloud:
-    """A normalised cloud: ``points = (original - centre) / scale``, all within [-1, 1].
+class Frame:
+    """Where model units lie in the user's units: ``original = centre + scale * normalised``.
 
     Args:
-        points: shape (N, 3), float32, model units.
-        centre: bounding-box centre in the user's units, shape (3,).
+        centre: the model origin in the user's units, shape (3,), float64.
         scale: user's units per model unit.
     """
 
-    points: FloatArray
     centre: FloatArray
     scale: float
 
+    def to_model_units(self, points: FloatArray) -> FloatArray:
+        """Points from the user's units to model units, float64."""
+        return (np.asarray(points, dtype=np.float64) - self.centre) / self.scale
+
+    def to_user_units(self, points: FloatArray) -> FloatArray:
+        """Points from model units to the user's units, float64."""
+        return np.asarray(points, dtype=np.float64) * self.scale + self.centre
+
+    def pose_in_user_units(self, T: FloatArray) -> FloatArray:
+        """The poses that do in the user's units what `T` (..., 4, 4) do in model units."""
+        T = np.array(T, dtype=np.float64)
+        T[..., :3, 3] = self.scale * T[..., :3, 3] + self.centre - T[..., :3, :3] @ self.centre
+        return T
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """A normalised cloud, within [-1, 1] on every axis.
+
+    Args:
+        points: shape (N, 3), float32, model units.
+        frame: where model units lie in the user's units.
+    """
+
+    points: FloatArray
+    frame: Frame
+
     @classmethod
     def of(cls, original: FloatArray) -> Cloud:
-        """Normalise points given in the user's units, shape (N, 3).
+        """Normalise points given in the user's units, shape (N, 3): the bounding-box centre becomes the origin.
 
         Raises:
             CloudError: fewer than 10 points, coordinates that are not finite, or all points in one place.
         """
         original = checked_points(original)
         low, high = original.min(axis=0), original.max(axis=0)
-        centre = (low + high) / 2
-        scale = float((high - low).max() / 2)
-        if not scale > 1e-9 * max(1.0, float(np.abs(centre).max())):
+        frame = Frame((low + high) / 2, float((high - low).max() / 2))
+        if not frame.scale > 1e-9 * max(1.0, float(np.abs(frame.centre).max())):
             raise CloudError("all points of the cloud lie in one place; check the file's units and columns")
-        points = ((original - centre) / scale).astype(np.float32)
-        return cls(points, centre, scale)
-
-    def to_model_units(self, points: FloatArray) -> FloatArray:
-        """Points from the user's units to model units."""
-        return (np.asarray(points, dtype=np.float64) - self.centre) / self.scale
-
-    def pose_in_user_units(self, T: FloatArray) -> FloatArray:
-        """The pose that does in the user's units what `T` (4, 4) does in model units."""
-        normalise = np.diag([1 / self.scale] * 3 + [1.0])
-        normalise[:3, 3] = -self.centre / self.scale
-        return np.linalg.inv(normalise) @ T @ normalise
+        return cls(frame.to_model_units(original).astype(np.float32), frame)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,13 +153,30 @@ def load_cloud(path: str | Path) -> FloatArray:
         raise CloudError(f"{path.name}: {error}") from error
 
 
+def save_cloud(path: str | Path, points: FloatArray) -> None:
+    """Write points (N, 3) to a PLY or XYZ file without losing digits."""
+    if Path(path).suffix.lower() == ".xyz":
+        np.savetxt(path, points, fmt="%.12g")
+        return
+    import open3d as o3d  # trimesh would write float32, too coarse for coordinates of a map
+
+    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.asarray(points, dtype=np.float64)))
+    with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
+        written = o3d.io.write_point_cloud(str(path), cloud)
+    if not written:
+        raise OSError(f"{path}: cannot be written")
+
+
 def checked_points(points: FloatArray) -> FloatArray:
     """The points as float64, shape (N, 3), thinned when there are very many.
 
     Raises:
         CloudError: not a cloud of at least 10 finite points.
     """
-    points = np.asarray(points, dtype=np.float64)
+    try:
+        points = np.asarray(points, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise CloudError(f"coordinates must be numbers ({error})") from error
     if points.ndim != 2 or points.shape[1] != 3:
         raise CloudError(f"a cloud needs three columns x, y, z; this has the shape {points.shape}")
     if len(points) < 10:
@@ -172,10 +203,20 @@ def _read_trimesh(path: Path) -> FloatArray:
     return np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))
 
 
+def _read_xyz(path: Path) -> FloatArray:
+    with path.open(encoding="utf-8") as file, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # an empty file is refused later
+        return np.loadtxt((line.replace(",", " ") for line in file), usecols=(0, 1, 2), ndmin=2)
+
+
 def _read_pcd(path: Path) -> FloatArray:
     import open3d as o3d
 
-    return np.asarray(o3d.io.read_point_cloud(str(path), remove_nan_points=False).points)
+    with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):  # it warns on standard output
+        cloud = o3d.io.read_point_cloud(str(path), remove_nan_points=False)
+    if not cloud.has_points():
+        raise CloudError(f"{path.name}: holds no points, or is not a PCD file")
+    return np.asarray(cloud.points)
 
 
 def _read_npz(path: Path) -> FloatArray:
@@ -195,7 +236,7 @@ _READERS: dict[str, Callable[[Path], FloatArray]] = {
     ".obj": _read_trimesh,
     ".stl": _read_trimesh,
     ".off": _read_trimesh,
-    ".xyz": _read_trimesh,
+    ".xyz": _read_xyz,
     ".pcd": _read_pcd,
     ".npz": _read_npz,
 }

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
+import secrets
 import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
-from ido.clouds import Model
+from ido.clouds import Frame, Model
 from ido.histograms import HISTOGRAMS, Histogram
 from ido.perturbation import OutlierKind
 from ido.types import FloatArray
@@ -50,6 +50,8 @@ class TrainingSettings:
             raise ValueError("training needs at least 2 samples and 1 map")
         if not (np.isfinite(self.ridge) and self.ridge > 0):
             raise ValueError(f"the ridge must be a positive number, not {self.ridge}")
+        if self.outlier_kind not in get_args(OutlierKind):
+            raise ValueError(f"outlier_kind must be one of {get_args(OutlierKind)}, not {self.outlier_kind!r}")
         if self.seed < 0:
             raise ValueError(f"seed must not be negative, not {self.seed}")
 
@@ -85,8 +87,7 @@ class Maps:
     Args:
         maps: D_1 .. D_K, shape (K, 6, n_bins), float32.
         histogram: the histogram, with its model.
-        centre: of the cloud it was trained on, in the user's units, shape (3,).
-        scale: user's units per model unit.
+        frame: of the cloud it was trained on.
         settings: as trained.
         curves: the training error.
         version: of the library that trained them.
@@ -94,8 +95,7 @@ class Maps:
 
     maps: FloatArray
     histogram: Histogram
-    centre: FloatArray
-    scale: float
+    frame: Frame
     settings: TrainingSettings
     curves: TrainingCurves
     version: str
@@ -119,18 +119,18 @@ class Maps:
             "maps": self.maps.astype(np.float32),
             "model_points": self.histogram.model.points,
             "model_normals": self.histogram.model.normals,
-            "centre": self.centre,
-            "scale": np.array(self.scale),
+            "centre": self.frame.centre,
+            "scale": np.array(self.frame.scale),
             **{f"curves_{name}": values for name, values in asdict(self.curves).items()},
         }
         arrays["curves_residuals"] = self.curves.residuals.astype(np.float16)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".npz")
+        temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
         try:
-            with os.fdopen(handle, "wb") as file:
+            with temporary.open("xb") as file:
                 np.savez_compressed(file, allow_pickle=False, **arrays)
-            Path(temporary).replace(path)
+            temporary.replace(path)
         except BaseException:
-            Path(temporary).unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
             raise
 
     @classmethod
@@ -158,7 +158,7 @@ class Maps:
             return cls._of(arrays, histograms)
         except MapsError as error:
             raise MapsError(f"{path.name}: {error}") from error
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
+        except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
             raise MapsError(f"{path.name}: not a maps file of this program ({error})") from error
 
     @classmethod
@@ -168,23 +168,36 @@ class Maps:
             raise MapsError(f"its format is {header['format']!r}, this program reads {FORMAT!r}")
         if header["histogram"] not in histograms:
             raise MapsError(f"its histogram {header['histogram']!r} is unknown; known: {', '.join(histograms)}")
-        model = Model(arrays["model_points"], arrays["model_normals"])
+        model = Model(_float32(arrays["model_points"]), _float32(arrays["model_normals"]))
         histogram = histograms[header["histogram"]](model)
+        n_model, n_maps = len(model.points), len(arrays["maps"])
         curves = {name: arrays[f"curves_{name}"] for name in TrainingCurves.__slots__}
-        made = cls(
-            arrays["maps"],
+        shapes = {
+            "model_points": (n_model, 3),
+            "model_normals": (n_model, 3),
+            "maps": (n_maps, 6, histogram.n_bins),
+            "centre": (3,),
+            "scale": (),
+            **{f"curves_{name}": (n_maps + 1,) for name in curves},
+            "curves_residuals": (n_maps + 1, curves["residuals"].size // (n_maps + 1) // 6, 6),
+        }
+        for name, shape in shapes.items():
+            if arrays[name].shape != shape:
+                raise MapsError(f"its {name} has the shape {arrays[name].shape}, not {shape}")
+            if not np.isfinite(arrays[name]).all():
+                raise MapsError(f"its {name} holds numbers that are not finite")
+        if n_maps == 0 or not arrays["scale"] > 0:
+            raise MapsError("it holds no maps, or no scale")
+        curves["residuals"] = _float32(curves["residuals"])
+        return cls(
+            _float32(arrays["maps"]),
             histogram,
-            arrays["centre"],
-            float(arrays["scale"]),
+            Frame(arrays["centre"], float(arrays["scale"])),
             TrainingSettings(**header["settings"]),
             TrainingCurves(**curves),
-            header["version"],
+            str(header["version"]),
         )
-        n_maps = len(made.maps)
-        if model.points.ndim != 2 or model.points.shape[1] != 3 or model.normals.shape != model.points.shape:
-            raise MapsError(f"model points {model.points.shape} and normals {model.normals.shape} do not fit")
-        if n_maps == 0 or made.maps.shape != (n_maps, 6, histogram.n_bins):
-            raise MapsError(f"maps of shape {made.maps.shape} do not fit {histogram.n_bins} bins")
-        if not all(np.isfinite(a).all() for a in (made.maps, model.points, model.normals, made.centre, made.scale)):
-            raise MapsError("it holds numbers that are not finite")
-        return made
+
+
+def _float32(array: np.ndarray) -> FloatArray:
+    return array.astype(np.float32, copy=False)

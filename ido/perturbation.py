@@ -83,7 +83,7 @@ class Perturbation:
             if not (math.isfinite(value) and low <= value <= allowed.limit):
                 raise ValueError(f"{name} must lie between {low:g} and {allowed.limit:g}, not {value}")
         for name in ("points", "outliers", "seed"):
-            if int(getattr(self, name)) != getattr(self, name):
+            if not isinstance(getattr(self, name), int | np.integer):
                 raise ValueError(f"{name} must be a whole number, not {getattr(self, name)}")
         if self.seed < 0:
             raise ValueError(f"seed must not be negative, not {self.seed}")

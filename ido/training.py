@@ -79,8 +79,7 @@ def train(
     return Maps(
         maps=np.stack(maps),
         histogram=histogram,
-        centre=cloud.centre,
-        scale=cloud.scale,
+        frame=cloud.frame,
         settings=settings,
         curves=TrainingCurves(mean, deviation, translation, rotation, np.stack(kept[:n]).astype(np.float32)),
         version=importlib.metadata.version("ido-explorer"),

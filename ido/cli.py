@@ -1,0 +1,327 @@
+"""The command line: `ido train`, `ido register` and `ido sweep`."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import signal
+import time
+import warnings
+from collections.abc import Sequence
+from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+from scipy.special import stdtrit
+from tyro.conf import Positional, arg
+
+from ido.clouds import Cloud, Model, Orientation, load_cloud, save_cloud
+from ido.experiments import LEVELS, sweep
+from ido.histograms import HISTOGRAMS
+from ido.maps import Maps, TrainingSettings
+from ido.perturbation import OutlierKind, Perturbation
+from ido.poses import transform
+from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory
+from ido.shipped import SHAPES, shipped_cloud, shipped_maps
+from ido.training import train
+from ido.types import FloatArray
+from ido.user_units import Start, cloud_of_maps, doubts, register_original
+
+if TYPE_CHECKING:
+    HistogramName = SweepName = str
+else:
+    HistogramName = Literal[tuple(HISTOGRAMS)]
+    SweepName = Literal[tuple(LEVELS)]
+
+_SHIPPED_MAPS = [f"{shape}-{histogram}" for shape, its in SHAPES.items() for histogram in its.histograms]
+
+CloudName = Annotated[
+    Positional[str],
+    arg(metavar="CLOUD", help=f"File (PLY, PCD, XYZ, NPZ, OBJ, STL, OFF) or shipped shape: {', '.join(SHAPES)}."),
+]
+MAPS_HELP = f"made by `ido train`, or shipped ones by name: {', '.join(_SHIPPED_MAPS)}."
+
+
+def main(args: Sequence[str] | None = None) -> int | None:
+    """Run a command; the exit code is 2 for an error, 130 after Ctrl-C."""
+    commands = {"train": train_command, "register": register_command, "sweep": sweep_command}
+    description = "Register 3D point clouds with Discriminative Optimization (DO) and Improved DO."
+    try:
+        return tyro.extras.subcommand_cli_from_dict(
+            commands, prog="ido", description=description, args=args, config=(tyro.conf.DisallowNone,)
+        )
+    except KeyboardInterrupt:
+        _note("interrupted; nothing was written")
+        return 130
+    except OSError as error:
+        _note(f"[bold red]error:[/] {escape(f'{error.filename}: {error.strerror}' if error.filename else str(error))}")
+    except (ValueError, MemoryError, BrokenExecutor) as error:
+        message = " ".join(str(error).split())  # readers of foreign files write several lines
+        _note(f"[bold red]error:[/] {escape(message or 'not enough memory')}")
+    return 2
+
+
+def train_command(
+    cloud: CloudName,
+    output: Annotated[Path, arg(aliases=["-o"], metavar="FILE.npz")],
+    histogram: HistogramName = "triple-binary",
+    samples: int = TrainingSettings().samples,
+    maps: int = TrainingSettings().maps,
+    ridge: float = TrainingSettings().ridge,
+    seed: int = TrainingSettings().seed,
+    outlier_kind: OutlierKind | None = None,
+    normals: Orientation | None = None,
+    workers: int | None = None,
+) -> int | None:
+    """Learn maps for a cloud (the paper's Algorithm 1), which `ido register` then walks.
+
+    The cloud is normalised and 514 model points are spread over it. Random scenes of it, each with its own noise,
+    outliers, missing part and pose, teach one map after the other how to move a scene back onto the model. The
+    defaults are the paper's. They take a few minutes and about 1 GB of memory on two cores.
+
+    Ctrl-C ends the training early and saves the maps finished by then; the exit code is then 130.
+
+    Args:
+        cloud: File or shipped shape.
+        output: Where the maps go. A file already there is replaced once training has ended.
+        histogram: What the maps see of a scene: front-back is DO, triple-binary is Improved DO.
+        samples: Number of training scenes. Fewer train faster and register worse.
+        maps: Number of maps.
+        ridge: Weight λ of the penalty on large maps.
+        seed: Draws the training scenes; the same seed gives the same maps.
+        outlier_kind: Spread evenly, or gathered in one ball. Default: the shape's own, else uniform.
+        normals: Side the model's normals point to; changes no result. Default: the shape's own, else outward.
+        workers: Describe the scenes in this many processes. Default: threads of this one, about as fast.
+    """
+    _check_output(output, ".npz")
+    kind, orientation = _habits(cloud, outlier_kind, normals)
+    settings = TrainingSettings(samples=samples, maps=maps, ridge=ridge, seed=seed, outlier_kind=kind)
+    pool = _process_pool(workers)
+    normalised = Cloud.of(_points_of(cloud))
+    feature = HISTOGRAMS[histogram](Model.of(normalised, orientation=orientation))
+    began = time.monotonic()
+    with pool as executor, _progress("{task.completed} of {task.total} maps") as progress:
+        task = progress.add_task(f"drawing {samples:,} scenes", total=maps)
+
+        def show(done: int, error: float) -> None:
+            progress.update(task, completed=done, description=f"training error {error:.5f}")
+
+        try:
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", ".*Theorem 1")  # told below
+                trained = train(normalised, feature, settings, progress=show, executor=executor)
+        except KeyboardInterrupt:
+            _note("interrupted before the first map was finished; nothing was written")
+            return 130
+        finally:
+            if executor:
+                executor.shutdown(cancel_futures=True)
+    trained.save(output)
+    for line in _training_summary(trained, time.monotonic() - began):
+        _note(line)
+    _note(f"written to {escape(str(output))}")
+    return None if trained.complete else 130
+
+
+def register_command(
+    cloud: CloudName,
+    maps: Annotated[str, arg(metavar="FILE.npz", help=f"Maps: a file {MAPS_HELP}")],
+    start: Start = "here",
+    epsilon: float = EPSILON,
+    max_iterations: int = MAX_ITERATIONS,
+    output: Annotated[Path | None, arg(aliases=["-o"], metavar="POSE.json")] = None,
+    moved: Annotated[Path | None, arg(metavar="CLOUD.ply")] = None,
+) -> None:
+    """Find the pose that moves a cloud onto the model of trained maps (the paper's Algorithm 2).
+
+    Writes one JSON object: T_model_scene, the 4x4 matrix that maps points of the cloud onto the model, in the units
+    of the cloud that the maps were trained on, which must be the cloud's units too; the number of iterations; why it
+    stopped (converged, iteration limit, diverged); and whether it converged. To standard output unless -o is given;
+    warnings go to standard error.
+
+    The maps see only what lies near the model and were trained to turn it back by up to 90 degrees. A cloud that lies
+    elsewhere needs --start centre (the default is where it lies, as in the paper).
+
+    Of a cloud with more than 4000 points a random 4000 are registered, always the same ones. Meshes are sampled.
+
+    Args:
+        cloud: File or shipped shape.
+        maps: Maps to walk.
+        start: Where to start: where the cloud lies, or with its bounding-box centre moved onto the model's.
+        epsilon: Stop once an update is shorter than this. The paper says 0.005; smaller is slower and more exact.
+        max_iterations: Stop after this many updates in any case.
+        output: Where the JSON goes.
+        moved: Also write the moved cloud with all its points, to a PLY or XYZ file.
+    """
+    if not (np.isfinite(epsilon) and epsilon >= 0):
+        raise ValueError(f"epsilon must be a number of at least 0, not {epsilon}")
+    if max_iterations < 1:
+        raise ValueError(f"max-iterations must be at least 1, not {max_iterations}")
+    if output:
+        _check_output(output)
+    if moved:
+        _check_output(moved, ".ply", ".xyz")
+        if moved.resolve() == Path(cloud).resolve():
+            raise ValueError(f"{moved}: this is the cloud itself; write the moved one elsewhere")
+    original, trained = _points_of(cloud), _maps_of(maps)
+    for doubt in doubts(trained, original, start):
+        _note(f"[bold yellow]warning:[/] {escape(doubt)}")
+    T_model_scene, track = register_original(
+        trained, original, start=start, epsilon=epsilon, max_iterations=max_iterations
+    )
+    if moved:
+        save_cloud(moved, transform(T_model_scene, original))
+    text = pose_as_json(T_model_scene, track)
+    if output:
+        output.write_text(text + "\n", encoding="utf-8")
+    else:
+        print(text)
+
+
+def sweep_command(
+    cloud: CloudName,
+    maps: Annotated[tuple[str, ...], arg(metavar="FILE.npz ...", help=f"Maps to compare: files {MAPS_HELP}")],
+    scenes: int = 100,
+    sweeps: tuple[SweepName, ...] = tuple(LEVELS),
+    epsilon: float = EPSILON,
+    seed: int = 1_000_000,
+    outlier_kind: OutlierKind | None = None,
+) -> None:
+    """Score maps as the paper does: perturb the cloud in many ways and register every scene.
+
+    In each sweep one perturbation takes several levels while the others keep the paper's test defaults. The table
+    gives the mean PointAcc (share of points within 0.1 of their true place) with its 95% confidence interval, and the
+    mean PointRMSE, over all levels and scenes. All maps get the same scenes.
+
+    Args:
+        cloud: The cloud that the maps were trained on.
+        maps: Maps to compare.
+        scenes: Scenes at each level, at least 2.
+        sweeps: Which perturbations to vary.
+        epsilon: Stop a registration once an update is shorter than this.
+        seed: Draws the scenes.
+        outlier_kind: Spread evenly, or gathered in one ball. Default: the shape's own, else uniform.
+    """
+    if scenes < 2:
+        raise ValueError(f"a confidence interval needs at least 2 scenes, not {scenes}")
+    if not maps or not sweeps:
+        raise ValueError("name at least one of the maps and one of the sweeps")
+    if not (np.isfinite(epsilon) and epsilon >= 0):
+        raise ValueError(f"epsilon must be a number of at least 0, not {epsilon}")
+    base = Perturbation(outlier_kind=_habits(cloud, outlier_kind, None)[0], seed=seed)
+    original = _points_of(cloud)
+    methods = {name: _maps_of(name) for name in maps}
+    clouds = {name: cloud_of_maps(trained, original) for name, trained in methods.items()}
+    table = Table("sweep", *map(escape, methods), title=f"mean PointAcc ± 95% (PointRMSE), {scenes} scenes a level")
+    with _progress("{task.completed} of {task.total} sweeps") as progress:
+        task = progress.add_task("", total=len(sweeps) * len(methods))
+        for sweep_name in sweeps:
+            row = [sweep_name]
+            for name, trained in methods.items():
+                progress.update(task, description=escape(f"{sweep_name}, {name}"))
+                results = sweep(clouds[name], trained, sweep_name, base=base, scenes=scenes, seed=seed, epsilon=epsilon)
+                accuracy, interval = mean_and_interval(results[..., 0])
+                row.append(f"{accuracy:.3f} ± {interval:.3f} ({results[..., 1].mean():.3f})")
+                progress.advance(task)
+            table.add_row(*row)
+    Console().print(table)
+
+
+def pose_as_json(T_model_scene: FloatArray, track: Trajectory) -> str:
+    """One JSON object: the pose, and how the registration ended."""
+    result = {
+        "T_model_scene": T_model_scene.tolist(),
+        "iterations": track.iterations,
+        "stop": str(track.stop),
+        "converged": track.converged,
+    }
+    return json.dumps(result, indent=2, allow_nan=False)
+
+
+def mean_and_interval(values: FloatArray) -> tuple[float, float]:
+    """Mean of values (levels, scenes) and half of its 95% confidence interval.
+
+    A scene keeps its random draw at all levels, so only the means over the levels are independent.
+    """
+    each = values.mean(axis=0)
+    return float(each.mean()), float(stdtrit(len(each) - 1, 0.975) * each.std(ddof=1) / np.sqrt(len(each)))
+
+
+def _points_of(cloud: str) -> FloatArray:
+    if cloud in SHAPES:
+        shipped = shipped_cloud(cloud)
+        return shipped.frame.to_user_units(shipped.points)
+    return load_cloud(cloud)
+
+
+def _maps_of(name: str) -> Maps:
+    if name in _SHIPPED_MAPS:
+        return shipped_maps(*name.split("-", 1))
+    if not Path(name).suffix:
+        raise ValueError(f"{name}: no such maps; give a .npz file or one of {', '.join(_SHIPPED_MAPS)}")
+    return Maps.load(name)
+
+
+def _habits(cloud: str, kind: OutlierKind | None, normals: Orientation | None) -> tuple[OutlierKind, Orientation]:
+    """What was asked for, else what is usual for a shipped shape, else the first choice."""
+    shape = SHAPES.get(cloud)
+    if shape is None:
+        return kind or get_args(OutlierKind)[0], normals or get_args(Orientation)[0]
+    return kind or shape.outlier_kind, normals or shape.orientation
+
+
+def _check_output(path: Path, *suffixes: str) -> None:
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise ValueError(f"{path}: the name must end in {' or '.join(suffixes)}")
+    if not path.parent.is_dir():
+        raise ValueError(f"{path.parent}: no such folder")
+    if path.is_dir():
+        raise ValueError(f"{path}: is a folder")
+    if not os.access(path.parent, os.W_OK):
+        raise ValueError(f"{path.parent}: no permission to write there")
+
+
+def _process_pool(workers: int | None) -> AbstractContextManager[Executor | None]:
+    if workers is None:
+        return nullcontext()
+    ignore_interrupt = (signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only this one acts on it
+    spawn = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(workers, mp_context=spawn, initializer=signal.signal, initargs=ignore_interrupt)
+
+
+def _training_summary(maps: Maps, seconds: float) -> list[str]:
+    n, curves = len(maps.maps), maps.curves
+    lines = [f"{n} maps trained in {seconds:.1f} s; training error {curves.mean[0]:.5f} to {curves.mean[-1]:.5f}"]
+    if not maps.complete:
+        lines.insert(0, f"[bold yellow]interrupted:[/] only {n} of {maps.settings.maps} maps were trained")
+    if curves.always_falls:
+        lines.append("Theorem 1 held: the training error fell at every map")
+    else:
+        risen = ", ".join(map(str, np.flatnonzero(np.diff(curves.mean) >= 0) + 1))
+        lines.append(f"[bold yellow]Theorem 1 did not hold:[/] the training error did not fall at map {risen}")
+    return lines
+
+
+def _progress(count: str) -> Progress:
+    return Progress(
+        TextColumn(count),
+        BarColumn(),
+        TextColumn("{task.description}"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+        console=Console(stderr=True),
+        speed_estimate_period=3600,
+    )
+
+
+def _note(markup: str) -> None:
+    Console(stderr=True).print(markup, soft_wrap=True, highlight=False)

@@ -1,0 +1,99 @@
+"""The 3D canvas: two panes in one scene, each with the model, the moving scene and where it belongs."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+from scipy.spatial.transform import Rotation
+
+from ido import SHAPES, poses
+from ido.types import FloatArray
+from ido_viz import palette
+from ido_viz.run import MethodRun, Run
+from ido_viz.state import State
+
+_PANE_OFFSET = 1.65  # of each pane's centre from the middle, model units
+CAMERA_POSITION = (0.0, -7.6, 1.6)
+CAMERA_TARGET = (0.0, 0.0, 0.0)
+
+
+class Canvas:
+    """Draws both panes of one page. Moving a scene sends a pose, not points."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        scene = client.scene
+        scene.set_up_direction("+z")
+        self._panes = [_Pane(scene, side) for side in range(2)]
+        client.camera.position = CAMERA_POSITION
+        client.camera.look_at = CAMERA_TARGET
+
+    def draw(self, run: Run, state: State, iteration: int) -> None:
+        """Draw both panes after so many iterations."""
+        for pane, side in zip(self._panes, run.sides, strict=True):
+            pane.draw(run, side, state, iteration)
+
+
+class _Pane:
+    def __init__(self, scene: viser.SceneApi, side: int) -> None:
+        self._color = palette.METHODS[side]
+        root = f"/{('left', 'right')[side]}"
+        x = (-_PANE_OFFSET, _PANE_OFFSET)[side]
+        nothing = np.zeros((1, 3), dtype=np.float32)
+        self._root = scene.add_frame(root, show_axes=False, position=(x, 0.0, 0.0))
+        self._label = scene.add_label(f"{root}-title", "", position=(x, 0.0, 1.72), anchor="top-center")
+        self._model = scene.add_point_cloud(f"{root}/model", nothing, (0, 0, 0), point_size=0.022, point_shape="circle")
+        self._ghost = scene.add_point_cloud(
+            f"{root}/ghost", nothing, palette.GHOST, point_size=0.016, point_shape="circle"
+        )
+        self._trail = scene.add_line_segments(f"{root}/trail", np.zeros((1, 2, 3)), self._color, line_width=2.0)
+        self._scene = scene.add_frame(f"{root}/scene", show_axes=False)
+        self._points = scene.add_point_cloud(
+            f"{root}/scene/points", nothing, self._color, point_size=0.03, point_shape="circle"
+        )
+        self._outliers = scene.add_point_cloud(
+            f"{root}/scene/outliers", nothing, palette.OUTLIER, point_size=0.02, point_shape="circle"
+        )
+        self._run: Run | None = None
+        self._look: tuple[object, ...] | None = None
+
+    def draw(self, run: Run, side: MethodRun, state: State, iteration: int) -> None:
+        look = (id(side.maps), state.shape, state.dark)
+        if look != self._look:
+            model = side.maps.histogram.model.points
+            self._root.wxyz = _upright(SHAPES[state.shape].up)
+            self._model.points = model
+            self._model.colors = _model_colors(model @ np.array(SHAPES[state.shape].up), state.dark)
+            self._look = look
+        if run is not self._run:
+            scene = run.scene
+            true_points = scene.points[~scene.is_outlier]
+            self._points.points = true_points
+            self._outliers.points = scene.points[scene.is_outlier]
+            self._outliers.visible = bool(scene.is_outlier.any())
+            self._ghost.points = poses.transform(scene.T_model_scene, true_points).astype(np.float32)
+            middle = true_points.mean(axis=0)
+            track = (poses.transform(side.T_model_scene, middle[None])[:, 0]).astype(np.float32)
+            self._trail.points = np.stack([track[:-1], track[1:]], axis=1) if len(track) > 1 else np.zeros((1, 2, 3))
+            self._run = run
+        self._ghost.visible = state.ghost
+        k = side.clipped(iteration)
+        T = side.T_model_scene[k]
+        self._scene.wxyz = Rotation.from_matrix(T[:3, :3]).as_quat(scalar_first=True)
+        self._scene.position = T[:3, 3]
+        self._label.text = (
+            f"{side.method}   iteration {k} of {side.trajectory.iterations}\n"
+            f"PointRMSE {side.scores.rmse[k]:.3f}   PointAcc {side.scores.accuracy[k]:.2f}"
+        )
+
+
+def _upright(up: tuple[float, float, float]) -> FloatArray:
+    """Quaternion (w, x, y, z) that turns a shape's up direction to +z."""
+    rotation, _ = Rotation.align_vectors(np.array([[0.0, 0.0, 1.0]]), np.array([up]))
+    return rotation.as_quat(scalar_first=True)
+
+
+def _model_colors(height: FloatArray, dark: bool) -> np.ndarray:
+    """Greys by height, so that the shape can be read; shape (M, 3)."""
+    share = (height - height.min()) / max(float(np.ptp(height)), 1e-9)
+    low, high = (110, 235) if dark else (25, 150)
+    return np.repeat((low + (high - low) * share)[:, None], 3, axis=1).astype(np.uint8)

@@ -1,0 +1,111 @@
+"""Learned maps as heatmaps: six rows, one for each coordinate of x, and a column for each bin."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+from functools import lru_cache
+
+import numpy as np
+import viser
+from PIL import Image
+
+from ido import Maps
+from ido.poses import PARAMETERS
+from ido_viz import palette
+from ido_viz.charts import caption, method_span
+from ido_viz.run import Run, bin_order
+from ido_viz.state import State
+
+COMPARED = (1, 15, 30)
+"""Numbers of the maps that the paper's figure compares."""
+
+_ROW = 12  # height of a row, pixels
+
+
+class Heatmap:
+    """One side's map, following the iteration or pinned."""
+
+    def __init__(self, gui: viser.GuiApi, side: int) -> None:
+        self._side = side
+        self._html = gui.add_html("")
+        self._drawn: tuple[object, ...] | None = None
+
+    def draw(self, run: Run, state: State, iteration: int) -> None:
+        """Draw the map that makes the update after so many iterations, or the pinned one."""
+        side = run.sides[self._side]
+        following = state.pinned_map == 0
+        number = side.map_number(iteration) if following else min(state.pinned_map, len(side.maps.maps))
+        look = (id(side.maps), number, following, state.order, state.dark)
+        if look == self._drawn:
+            return
+        self._drawn = look
+        title = f"<b>{method_span(side.method, self._side)}</b> map {number} of {len(side.maps.maps)}"
+        title += "" if following else " (pinned)"
+        self._html.content = heatmap_html(side.maps, number, state.order, title)
+
+
+class ComparedMaps:
+    """Maps 1, 15 and 30 of both sides, as in the paper's figure."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._html = gui.add_html("")
+        self._drawn: tuple[object, ...] | None = None
+
+    def draw(self, run: Run, state: State) -> None:
+        """Draw the compared maps of the shown methods."""
+        look = (id(run.sides[0].maps), id(run.sides[1].maps), state.order)
+        if look == self._drawn:
+            return
+        self._drawn = look
+        parts = []
+        for number in COMPARED:
+            for i, side in enumerate(run.sides):
+                shown = min(number, len(side.maps.maps))
+                parts.append(heatmap_html(side.maps, shown, state.order, f"{method_span(side.method, i)} map {shown}"))
+        self._html.content = "".join(parts)
+
+
+def heatmap_html(maps: Maps, number: int, order: str, title: str) -> str:
+    """A map as a picture with named rows and blocks; `title` is HTML."""
+    source, scale = _picture(maps, number, order)
+    rows = "".join(f'<div style="height:{_ROW}px">{name}</div>' for name in PARAMETERS)
+    names = [name for block in maps.histogram.blocks for name in block]
+    blocks = "".join(
+        f'<div style="flex:1;text-align:center;border-top:3px solid {palette.css(palette.BLOCKS[i // 2 % 3])};'
+        f'overflow:hidden">{html.escape(name)}</div>'
+        for i, name in enumerate(names)
+    )
+    return (
+        caption(f'{title}<span style="float:right">±{scale:.2g}</span>')
+        + f'<div style="display:flex;margin:2px 8px 0 8px;font-size:10px;line-height:{_ROW}px">'
+        f'<div style="width:20px">{rows}</div>'
+        f'<img alt="heatmap of the map" src="{source}" style="width:calc(100% - 20px);height:{6 * _ROW}px;'
+        f'display:block"></div>'
+        f'<div style="display:flex;margin:1px 8px 4px 28px;font-size:10px;line-height:12px">{blocks}</div>'
+    )
+
+
+@lru_cache(maxsize=512)
+def _picture(maps: Maps, number: int, order: str) -> tuple[str, float]:
+    """A PNG of a map as a data address, and the value at the ends of its colours. Rows are drawn enlarged."""
+    values = maps.maps[number - 1][:, bin_order(maps, order)]
+    scale = float(np.quantile(np.abs(values), 0.995)) or 1.0
+    levels = np.clip(np.rint((values / scale + 1) * 127.5), 0, 255).astype(np.uint8)
+    picture = Image.fromarray(np.repeat(levels, _ROW, axis=0))
+    picture.putpalette(_DIVERGING.tobytes())
+    stream = io.BytesIO()
+    picture.save(stream, format="PNG", compress_level=6)
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode(), scale
+
+
+def _diverging() -> np.ndarray:
+    """256 colours from blue over white to red, even for people with a colour vision deficiency; shape (256, 3)."""
+    stops = np.array([[5, 48, 97], [67, 147, 195], [247, 247, 247], [214, 96, 77], [103, 0, 31]], dtype=np.float64)
+    at = np.linspace(0, len(stops) - 1, 256)
+    channels = [np.interp(at, np.arange(len(stops)), stops[:, c]) for c in range(3)]
+    return np.rint(np.stack(channels, axis=1)).astype(np.uint8)
+
+
+_DIVERGING = _diverging()

@@ -1,0 +1,197 @@
+"""One browser tab: controls -> state -> run -> frame, on one thread of its own.
+
+Callbacks only record what was asked and wake the thread. It takes the newest state, computes the run when its inputs
+changed, and draws one frame; whatever was asked meanwhile is drawn next, and what was overtaken never is.
+"""
+
+from __future__ import annotations
+
+import logging
+import random
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import viser
+
+from ido import SHAPES, Perturbation
+from ido_viz.canvas import Canvas
+from ido_viz.controls import LARGEST_SEED, Actions, Controls
+from ido_viz.panels import Panels
+from ido_viz.run import Run, compute, inputs
+from ido_viz.state import LAST, State, StateError, decode
+
+FRAME = 1 / 30
+"""Seconds between frames while playing."""
+
+_log = logging.getLogger(__name__)
+
+
+class Session:
+    """Serves one tab from `start` until `close`."""
+
+    def __init__(self, client: viser.ClientHandle, state: State) -> None:
+        self._client = client
+        self._awake = threading.Condition()
+        self._state = state
+        self._read_controls = False
+        self._show_state = False
+        self._dirty = True
+        self._closed = False
+        self._run: Run | None = None
+        self._run_inputs: tuple[object, ...] | None = None
+        self._position = 0.0  # the iteration while playing, with its fraction
+        self._ticked = time.perf_counter()
+        self._thread = threading.Thread(target=self._serve, name=f"session-{client.client_id}", daemon=True)
+
+    def start(self) -> None:
+        """Build the page and begin to serve it."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop; the thread ends by itself after the frame at work."""
+        with self._awake:
+            self._closed = True
+            self._awake.notify()
+
+    # What was asked, by the widgets' callbacks
+
+    def _change(self, change: Callable[[State], State], *, show: bool = False) -> None:
+        with self._awake:
+            self._state = change(self._state)
+            self._show_state |= show
+            self._dirty = True
+            self._awake.notify()
+
+    def _changed(self) -> None:
+        with self._awake:
+            self._read_controls = True
+            self._dirty = True
+            self._awake.notify()
+
+    def _play(self) -> None:
+        def toggled(state: State) -> State:
+            if state.playing:
+                return replace(state, playing=False)
+            at_end = self._shown(state) >= (self._run.iterations if self._run else 0)
+            self._position = 0.0 if at_end else float(self._shown(state))
+            self._ticked = time.perf_counter()
+            return replace(state, playing=True, iteration=int(self._position))
+
+        self._change(toggled)
+
+    def _step(self, by: int) -> None:
+        self._change(lambda state: self._at(replace(state, playing=False), self._shown(state) + by))
+
+    def _jump(self, iteration: int) -> None:
+        self._change(lambda state: self._at(replace(state, playing=False), iteration))
+
+    def _new_seed(self) -> None:
+        seed = random.randint(0, LARGEST_SEED)
+        self._change(lambda s: replace(s, perturbation=replace(s.perturbation, seed=seed)), show=True)
+
+    def _paper_defaults(self) -> None:
+        def reset(state: State) -> State:
+            kind = SHAPES[state.shape].outlier_kind
+            return replace(state, perturbation=Perturbation(outlier_kind=kind, seed=state.perturbation.seed))
+
+        self._change(reset, show=True)
+
+    def _apply_code(self, code: str) -> None:
+        try:
+            state = decode(code)
+        except StateError as error:
+            self._tell("This code cannot be used", str(error))
+            return
+        self._position = float(max(state.iteration, 0))
+        self._change(lambda _: state, show=True)
+
+    def _shown(self, state: State) -> int:
+        """The iteration that a state shows."""
+        last = self._run.iterations if self._run else 0
+        return last if state.iteration == LAST else min(state.iteration, last)
+
+    def _at(self, state: State, iteration: int) -> State:
+        """The state at an iteration; at the end it stays at the end when the run changes."""
+        last = self._run.iterations if self._run else 0
+        at_end = iteration == LAST or iteration >= last
+        return replace(state, iteration=LAST if at_end else max(0, iteration))
+
+    # The thread
+
+    def _serve(self) -> None:
+        actions = Actions(
+            changed=self._changed,
+            play=self._play,
+            step=self._step,
+            jump=self._jump,
+            new_seed=self._new_seed,
+            paper_defaults=self._paper_defaults,
+            apply_code=self._apply_code,
+        )
+        with self._client.atomic():
+            self._controls = Controls(self._client, self._state, actions)
+            self._panels = Panels(self._client)
+            self._canvas = Canvas(self._client)
+        self._theme: bool | None = None
+        while True:
+            with self._awake:
+                wait = FRAME - (time.perf_counter() - self._ticked) if self._state.playing else None
+                if not self._dirty and not self._closed:
+                    self._awake.wait(None if wait is None else max(wait, 0.0))
+                if self._closed:
+                    return
+                state, show = self._take()
+            try:
+                self._frame(state, show)
+            except StateError as error:
+                self._tell("This cannot be shown", str(error))
+            except Exception as error:  # the page must outlive whatever goes wrong in one frame
+                _log.exception("frame failed")
+                self._tell("Something went wrong", f"{type(error).__name__}: {error}")
+
+    def _take(self) -> tuple[State, bool]:
+        """The newest state, with the controls read and the playing moved on; called with the lock held."""
+        show, state = self._show_state, self._state
+        if self._read_controls and not show:
+            before = state
+            state = self._controls.read(state)
+            if state.shape != before.shape:
+                state = state.with_shape(state.shape)
+            show = True
+        self._read_controls = self._show_state = self._dirty = False
+        now = time.perf_counter()
+        if state.playing and self._run is not None:
+            self._position += (now - self._ticked) * state.speed
+            state = self._at(state, int(self._position))
+            if state.iteration == LAST:
+                state = replace(state, playing=False)
+        self._ticked = now
+        self._state = state
+        return state, show
+
+    def _frame(self, state: State, show: bool) -> None:
+        first = self._run is None
+        if inputs(state) != self._run_inputs:
+            run = compute(state)
+            with self._awake:
+                self._run, self._run_inputs = run, inputs(state)
+                if first:
+                    self._ticked = time.perf_counter()
+        assert self._run is not None
+        iteration = self._shown(state)
+        with self._client.atomic():
+            if state.dark != self._theme:
+                self._client.gui.configure_theme(
+                    dark_mode=state.dark, show_logo=False, show_share_button=False, brand_color=(0, 114, 178)
+                )
+                self._theme = state.dark
+            self._canvas.draw(self._run, state, iteration)
+            self._panels.draw(self._run, state, iteration)
+            self._controls.show_iteration(self._run, state, iteration)
+            if show:
+                self._controls.show(state)
+
+    def _tell(self, title: str, body: str) -> None:
+        self._client.add_notification(title, body, color="red", auto_close_seconds=8.0)

@@ -1,0 +1,121 @@
+"""Everything that decides what a page shows, as one frozen value, and its short code for sharing."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import zlib
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, Literal, get_args
+
+from ido import SHAPES, Perturbation
+from ido.registration import EPSILON, MAX_ITERATIONS
+
+BinOrder = Literal["reference value", "model index", "elevation", "azimuth"]
+LAST = -1
+"""Iteration that stands for the last one, however many there are."""
+
+LONGEST_RUN = 5000
+_CODE = "ido1-"
+
+
+class StateError(ValueError):
+    """A state or its code cannot be used; the message says why."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """What a page shows.
+
+    Args:
+        shape: name of a shipped shape.
+        perturbation: makes the scene.
+        left: method of the left pane.
+        right: method of the right pane.
+        epsilon: stopping threshold of the update norm.
+        max_iterations: limit of all iterations.
+        iteration: k, the poses after k updates are shown; `LAST` for the end.
+        playing: whether the iteration moves on by itself.
+        speed: iterations a second while playing.
+        order: how the bins of each side of a block are ordered in charts and heatmaps.
+        difference: show histogram minus reference.
+        pinned_map: number of the map in the heatmap, 0 to follow the iteration.
+        ghost: show where the scene belongs.
+        dark: dark page.
+
+    Raises:
+        StateError: a value is unknown or out of range.
+    """
+
+    shape: str = "bunny"
+    perturbation: Perturbation = field(default_factory=Perturbation)
+    left: str = "DO"
+    right: str = "Improved DO"
+    epsilon: float = EPSILON
+    max_iterations: int = MAX_ITERATIONS
+    iteration: int = 0
+    playing: bool = True
+    speed: int = 15
+    order: BinOrder = "reference value"
+    difference: bool = False
+    pinned_map: int = 0
+    ghost: bool = True
+    dark: bool = False
+
+    def __post_init__(self) -> None:
+        if self.shape not in SHAPES:
+            raise StateError(f"unknown shape {self.shape!r}; known: {', '.join(SHAPES)}")
+        if self.order not in get_args(BinOrder):
+            raise StateError(f"unknown order of bins {self.order!r}; known: {', '.join(get_args(BinOrder))}")
+        limits = {
+            "epsilon": (1e-6, 1.0),
+            "max_iterations": (1, LONGEST_RUN),
+            "iteration": (LAST, LONGEST_RUN),
+            "speed": (1, 60),
+            "pinned_map": (0, 1000),
+        }
+        for name, (low, high) in limits.items():
+            if not low <= getattr(self, name) <= high:
+                raise StateError(f"{name} must lie between {low:g} and {high:g}, not {getattr(self, name)}")
+
+    def with_shape(self, shape: str) -> State:
+        """The same for another shape, with the outliers that the paper gives it."""
+        perturbation = replace(self.perturbation, outlier_kind=SHAPES[shape].outlier_kind)
+        return replace(self, shape=shape, perturbation=perturbation)
+
+
+def encode(state: State) -> str:
+    """The short code of a state: what differs from the defaults, as text that survives mail and chat."""
+    default = State()
+    changed: dict[str, Any] = {f.name: getattr(state, f.name) for f in fields(State)}
+    changed = {name: value for name, value in changed.items() if value != getattr(default, name)}
+    if "perturbation" in changed:
+        plain = asdict(default.perturbation)
+        changed["perturbation"] = {n: v for n, v in asdict(state.perturbation).items() if v != plain[n]}
+    packed = zlib.compress(json.dumps(changed, separators=(",", ":")).encode(), level=9)
+    return _CODE + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def decode(code: str) -> State:
+    """The state of a code that `encode` made.
+
+    Raises:
+        StateError: not such a code, cut off, of another version, or with values out of range.
+    """
+    code = code.strip()
+    if not code.startswith(_CODE):
+        raise StateError(f"a code starts with {_CODE!r}; copy it whole from the page's Share box")
+    text = code.removeprefix(_CODE)
+    try:
+        packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
+        unpacked = zlib.decompressobj().decompress(packed, 10_000)
+        values = json.loads(unpacked)
+        if not isinstance(values, dict):
+            raise StateError("the code holds no state")
+        perturbation = Perturbation(**values.pop("perturbation", {}))
+        return State(perturbation=perturbation, **values)
+    except (binascii.Error, zlib.error, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise StateError("the code is damaged or cut off; copy it whole") from error
+    except (TypeError, ValueError) as error:
+        raise StateError(f"the code does not fit this version: {error}") from error
