@@ -10,7 +10,7 @@ import numpy as np
 from ido import poses
 from ido.histograms import SceneBatch
 from ido.maps import Maps
-from ido.types import FloatArray
+from ido.types import DoubleArray, FloatArray
 
 EPSILON = 1e-3
 """Default stopping threshold of the update norm. The paper says 0.005, which stops DO while it still moves."""
@@ -68,12 +68,12 @@ def register(
     Applies D_1 .. D_K, then D_K until ‖D_K h(x)‖ < ε or max_iterations updates were made in all.
     """
     points = np.ascontiguousarray(points, dtype=np.float32)
-    x = np.zeros(6) if x is None else np.asarray(x, dtype=np.float64)
-    track, norms = [x], []
+    here: DoubleArray = np.zeros(6) if x is None else np.asarray(x, dtype=np.float64)
+    track, norms = [here], []
     stop = StopReason.MAX_ITERATIONS
     while len(norms) < max_iterations:
         k = min(len(norms), len(maps.maps) - 1)
-        update = maps.maps[k] @ maps.histogram(points, x)
+        update = maps.maps[k] @ maps.histogram(points, here)
         norm = float(np.sqrt(update @ update))
         if not norm < _LARGEST_UPDATE:
             stop = StopReason.DIVERGED
@@ -81,8 +81,8 @@ def register(
         if len(norms) >= len(maps.maps) and norm < epsilon:
             stop = StopReason.CONVERGED
             break
-        x = x - update
-        track.append(x)
+        here = here - update
+        track.append(here)
         norms.append(norm)
     return Trajectory(np.stack(track), np.array(norms), stop)
 

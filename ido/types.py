@@ -7,5 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+DoubleArray = NDArray[np.float64]
 FloatArray = NDArray[np.floating[Any]]
 BoolArray = NDArray[np.bool_]

@@ -12,9 +12,12 @@ from ido_viz import palette
 from ido_viz.run import MethodRun, Run
 from ido_viz.state import State
 
-_PANE_OFFSET = 1.65  # of each pane's centre from the middle, model units
-CAMERA_POSITION = (0.0, -7.6, 1.6)
-CAMERA_TARGET = (0.0, 0.0, 0.0)
+_PANE_OFFSET = 1.3  # of each pane's centre from the middle, model units
+_SHOWN_WIDTH = 5.6  # of both panes, and their height: the camera steps back until they fit
+_SHOWN_HEIGHT = 3.6
+_PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
+_NO_TRAIL = np.zeros((1, 2, 3), dtype=np.float32)
+_VIEW_DIRECTION = np.array([0.0, -1.0, 0.2])
 
 
 class Canvas:
@@ -24,13 +27,23 @@ class Canvas:
         scene = client.scene
         scene.set_up_direction("+z")
         self._panes = [_Pane(scene, side) for side in range(2)]
-        client.camera.position = CAMERA_POSITION
-        client.camera.look_at = CAMERA_TARGET
+        self._camera = client.camera
+        self._fitted_aspect = 0.0
+        self._camera.on_update(lambda _: self._fit_camera())
+        self._fit_camera()
 
-    def draw(self, run: Run, state: State, iteration: int) -> None:
-        """Draw both panes after so many iterations."""
-        for pane, side in zip(self._panes, run.sides, strict=True):
-            pane.draw(run, side, state, iteration)
+    def _fit_camera(self) -> None:
+        """Step back so that both panes fit, when the window has been given another shape."""
+        aspect = self._camera.aspect
+        if abs(aspect - self._fitted_aspect) < 0.02 * aspect:
+            return
+        self._fitted_aspect = aspect
+        height = max(_SHOWN_HEIGHT, _SHOWN_WIDTH / aspect)
+        distance = height / 2 / np.tan(self._camera.fov / 2)
+        # on a phone the controls cover the lower part, so the panes move up
+        target = np.array([0.0, 0.0, 0.1 if aspect > _PORTRAIT else -0.27 * height])
+        self._camera.position = target + distance * _VIEW_DIRECTION / np.linalg.norm(_VIEW_DIRECTION)
+        self._camera.look_at = target
 
 
 class _Pane:
@@ -40,12 +53,14 @@ class _Pane:
         x = (-_PANE_OFFSET, _PANE_OFFSET)[side]
         nothing = np.zeros((1, 3), dtype=np.float32)
         self._root = scene.add_frame(root, show_axes=False, position=(x, 0.0, 0.0))
-        self._label = scene.add_label(f"{root}-title", "", position=(x, 0.0, 1.72), anchor="top-center")
+        self._label = scene.add_label(f"{root}-title", "", position=(x, 0.0, 1.3), anchor="bottom-center")
         self._model = scene.add_point_cloud(f"{root}/model", nothing, (0, 0, 0), point_size=0.022, point_shape="circle")
         self._ghost = scene.add_point_cloud(
             f"{root}/ghost", nothing, palette.GHOST, point_size=0.016, point_shape="circle"
         )
-        self._trail = scene.add_line_segments(f"{root}/trail", np.zeros((1, 2, 3)), self._color, line_width=2.0)
+        self._trail = scene.add_line_segments(
+            f"{root}/trail", _NO_TRAIL, np.array(self._color), thickness=2.0, thickness_units="screen"
+        )
         self._scene = scene.add_frame(f"{root}/scene", show_axes=False)
         self._points = scene.add_point_cloud(
             f"{root}/scene/points", nothing, self._color, point_size=0.03, point_shape="circle"
@@ -73,7 +88,7 @@ class _Pane:
             self._ghost.points = poses.transform(scene.T_model_scene, true_points).astype(np.float32)
             middle = true_points.mean(axis=0)
             track = (poses.transform(side.T_model_scene, middle[None])[:, 0]).astype(np.float32)
-            self._trail.points = np.stack([track[:-1], track[1:]], axis=1) if len(track) > 1 else np.zeros((1, 2, 3))
+            self._trail.points = np.stack([track[:-1], track[1:]], axis=1) if len(track) > 1 else _NO_TRAIL
             self._run = run
         self._ghost.visible = state.ghost
         k = side.clipped(iteration)
@@ -81,14 +96,14 @@ class _Pane:
         self._scene.wxyz = Rotation.from_matrix(T[:3, :3]).as_quat(scalar_first=True)
         self._scene.position = T[:3, 3]
         self._label.text = (
-            f"{side.method}   iteration {k} of {side.trajectory.iterations}\n"
-            f"PointRMSE {side.scores.rmse[k]:.3f}   PointAcc {side.scores.accuracy[k]:.2f}"
+            f"{side.method}\niteration {k} of {side.trajectory.iterations}\n"
+            f"PointRMSE {side.scores.rmse[k]:.3f}\nPointAcc {side.scores.accuracy[k]:.2f}"
         )
 
 
 def _upright(up: tuple[float, float, float]) -> FloatArray:
     """Quaternion (w, x, y, z) that turns a shape's up direction to +z."""
-    rotation, _ = Rotation.align_vectors(np.array([[0.0, 0.0, 1.0]]), np.array([up]))
+    rotation = Rotation.align_vectors(np.array([[0.0, 0.0, 1.0]]), np.array([up]))[0]
     return rotation.as_quat(scalar_first=True)
 
 

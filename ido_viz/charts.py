@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
+import html
 from typing import Any
 
 import numpy as np
 import viser
 
-from ido.types import FloatArray
+from ido.types import DoubleArray, FloatArray
 from ido_viz import palette
 from ido_viz.run import MethodRun, Run, bin_order
 from ido_viz.state import State
 
 _TOP = 1.8  # of the histograms' y axis; the reference line of each block peaks at 1
-_NONE = np.array([0.0, 1.0])
+
+
+class Plot:
+    """A chart whose style is set whole: a new style makes a new chart in the same place, new data only moves it."""
+
+    def __init__(self, gui: viser.GuiApi, height: int) -> None:
+        self._gui = gui
+        self._height = height
+        self._folder = gui.add_folder(None)
+        self._chart: viser.GuiUplotHandle | None = None
+
+    def restyle(
+        self, data: tuple[DoubleArray, ...], series: list[Any], scales: dict[str, Any], axes: list[Any]
+    ) -> None:
+        """Draw with a new style."""
+        old = self._chart
+        with self._folder:
+            self._chart = self._gui.add_uplot(
+                data,
+                tuple(series),
+                scales=scales,
+                axes=tuple(axes),
+                legend={"show": False},
+                cursor={"show": False},
+                height=self._height,
+                padding=(4, 18, 0, 0),
+            )
+        if old is not None:
+            old.remove()
+
+    def draw(self, data: tuple[DoubleArray, ...]) -> None:
+        """Draw new data in the style that was set."""
+        assert self._chart is not None
+        self._chart.data = data
 
 
 class HistogramChart:
@@ -25,79 +59,72 @@ class HistogramChart:
     def __init__(self, gui: viser.GuiApi, side: int) -> None:
         self._side = side
         self._caption = gui.add_html("")
-        self._chart = gui.add_uplot((_NONE, _NONE), ({}, {}), height=122, padding=(4, 10, 0, 0))
+        self._plot = Plot(gui, height=104)
         self._look: tuple[object, ...] | None = None
 
     def draw(self, run: Run, state: State, iteration: int) -> None:
         """Draw the histogram after so many iterations."""
-        maps = run.sides[self._side].maps
-        method = run.sides[self._side].method
-        look = (id(maps), state.order, state.difference, state.dark)
-        if look != self._look:
-            self._restyle(method, run.sides[self._side], state)
-            self._look = look
-        blocks = relative_blocks(run.histogram(self._side, iteration), run.sides[self._side])
-        reference = relative_blocks(maps.histogram.reference, run.sides[self._side])
-        if state.difference:
-            blocks, reference = blocks - reference, np.zeros_like(reference)
-        n_blocks, n_bins = len(blocks), blocks.size
-        order = bin_order(maps, state.order)
-        in_blocks = np.full((n_blocks, n_bins), np.nan)
-        ordered = blocks.reshape(-1)[order].reshape(n_blocks, -1)
-        for b in range(n_blocks):
-            in_blocks[b, b * ordered.shape[1] : (b + 1) * ordered.shape[1]] = ordered[b]
-        bins = np.arange(n_bins, dtype=np.float64)
-        line = reference.reshape(-1)[order].astype(np.float64)
-        self._chart.data = (bins, *np.clip(in_blocks, -_TOP, _TOP), line)
+        side = run.sides[self._side]
+        data = _histogram_data(run.histogram(self._side, iteration), side, state)
+        look = (id(side.maps), state.order, state.difference, state.dark)
+        if look == self._look:
+            self._plot.draw(data)
+            return
+        self._look = look
+        self._plot.restyle(data, *_histogram_style(side, state))
+        what = "minus the reference line" if state.difference else "against the reference line"
+        self._caption.content = caption(f"<b>{method_span(side.method, self._side)}</b> histogram {what}")
 
-    def _restyle(self, method: str, side: MethodRun, state: State) -> None:
-        histogram = side.maps.histogram
-        n_model, names = len(histogram.model.points), [name for block in histogram.blocks for name in block]
-        ink = palette.css(palette.ink(state.dark))
-        low = -1.0 if state.difference else 0.0
-        middles = [float((i + 0.5) * n_model) for i in range(len(names))]
-        edges = [float(i * n_model) for i in range(len(names) + 1)]
-        n_blocks = len(histogram.blocks)
-        empty = np.zeros(2)
-        series: list[Any] = [{"label": "bin"}]
-        for b, block in enumerate(histogram.blocks):
-            series.append({"label": " / ".join(block), "stroke": palette.css(palette.BLOCKS[b % 3]), "width": 1})
-        series.append({"label": "reference", "stroke": ink, "width": 1.5})
-        for one in series[1:]:
-            one["points"] = {"show": False}
-        axes: list[Any] = [
-            {
-                "splits": edges,
-                "values": ["" for _ in edges],
-                "size": 4,
-                "grid": {"stroke": palette.css(palette.ink(state.dark), 0.25), "width": 1},
-            },
-            {"splits": [low, 0.0, 1.0], "values": [f"{v:g}" for v in (low, 0.0, 1.0)], "size": 24, "stroke": ink},
-            {
-                "scale": "x",
-                "side": 2,
-                "splits": middles,
-                "values": [_SHORT.get(name, name) for name in names],
-                "grid": {"show": False},
-                "ticks": {"show": False},
-                "size": 18,
-                "gap": 0,
-                "font": "11px sans-serif",
-                "stroke": ink,
-            },
-        ]
-        with_self = self._chart
-        with_self.data = (empty, *([empty] * (n_blocks + 1)))
-        with_self.series = tuple(series)
-        with_self.scales = {
-            "x": {"time": False, "auto": False, "range": (0.0, float(histogram.n_bins))},
-            "y": {"auto": False, "range": (low, 1.0 if state.difference else _TOP)},
-        }
-        with_self.axes = tuple(axes)
-        with_self.legend = {"show": False}
-        with_self.cursor = {"show": False}
-        what = "minus reference" if state.difference else "against the reference line"
-        self._caption.content = caption(f"<b>{method_span(method, self._side)}</b> histogram {what}")
+
+def _histogram_data(histogram: FloatArray, side: MethodRun, state: State) -> tuple[DoubleArray, ...]:
+    """Bins, one array for each block with gaps elsewhere, and the reference line."""
+    blocks = relative_blocks(histogram, side)
+    reference = relative_blocks(side.maps.histogram.reference, side)
+    if state.difference:
+        blocks, reference = blocks - reference, np.zeros_like(reference)
+    order = bin_order(side.maps, state.order)
+    values = np.clip(blocks.reshape(-1)[order], -_TOP, _TOP)
+    block_of = np.arange(values.size) * len(blocks) // values.size
+    separate = [np.where(block_of == b, values, np.nan) for b in range(len(blocks))]
+    return (np.arange(values.size, dtype=np.float64), *separate, reference.reshape(-1)[order].astype(np.float64))
+
+
+def _histogram_style(side: MethodRun, state: State) -> tuple[list[Any], dict[str, Any], list[Any]]:
+    histogram = side.maps.histogram
+    n_model, names = len(histogram.model.points), [name for block in histogram.blocks for name in block]
+    ink = palette.css(palette.ink(state.dark))
+    low, high = (-1.0, 1.0) if state.difference else (0.0, _TOP)
+    series: list[Any] = [{"label": "bin"}]
+    for b, block in enumerate(histogram.blocks):
+        color = palette.css(palette.BLOCKS[b % len(palette.BLOCKS)])
+        dots = {"show": True, "size": 2, "fill": color, "stroke": color, "width": 0}
+        series.append({"label": " / ".join(block), "stroke": color, "width": 0, "points": dots})
+    series.append({"label": "reference", "stroke": ink, "width": 1.5, "points": {"show": False}})
+    edges = [float(i * n_model) for i in range(len(names) + 1)]
+    levels = [-1.0, 0.0, 1.0] if state.difference else [0.0, 1.0]
+    faint = palette.css(palette.ink(state.dark), 0.25)
+    nameless: dict[str, Any] = {"splits": edges, "values": ["" for _ in edges], "size": 4, "ticks": {"show": False}}
+    axes: list[Any] = [
+        {**nameless, "grid": {"stroke": faint, "width": 1}},
+        {"splits": levels, "values": [f"{v:g}" for v in levels], "size": 30, "stroke": ink},
+        {
+            "scale": "x",
+            "side": 2,
+            "splits": [(i + 0.5) * n_model for i in range(len(names))],
+            "values": [_SHORT.get(name, name) for name in names],
+            "grid": {"show": False},
+            "ticks": {"show": False},
+            "size": 18,
+            "gap": 0,
+            "font": "11px sans-serif",
+            "stroke": ink,
+        },
+    ]
+    scales = {
+        "x": {"time": False, "auto": False, "range": (0.0, float(histogram.n_bins))},
+        "y": {"auto": False, "range": (low, high)},
+    }
+    return series, scales, axes
 
 
 _SHORT = {"clockwise": "clockw.", "anticlockwise": "anticl."}
@@ -115,55 +142,54 @@ class ErrorCharts:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._caption = gui.add_html("")
-        self._charts = {}
+        self._plots = {}
         for name in ("PointRMSE", "PointAcc", "update norm"):
-            gui.add_html(caption(name + (" (log), with the threshold ε" if name == "update norm" else "")))
-            self._charts[name] = gui.add_uplot((_NONE, _NONE), ({}, {}), height=92, padding=(4, 10, 0, 0))
-        self._drawn: tuple[object, ...] | None = None
+            gui.add_html(caption(f"{name}, with the threshold ε dashed" if name == "update norm" else name))
+            self._plots[name] = Plot(gui, height=92)
+        self._look: tuple[object, ...] | None = None
 
     def draw(self, run: Run, state: State, iteration: int) -> None:
         """Draw the curves of a run and mark an iteration."""
-        iterations = np.arange(run.iterations + 1, dtype=np.float64)
-        if (id(run), state.dark) != self._drawn:
-            self._restyle(run, state)
-            self._drawn = (id(run), state.dark)
-        for name, chart in self._charts.items():
-            curves = [padded(curve(side, name), len(iterations)) for side in run.sides]
-            marks = [np.full(len(iterations), np.nan) for _ in run.sides]
-            for side, values, mark in zip(run.sides, curves, marks, strict=True):
-                k = side.clipped(iteration)
-                mark[k] = values[k]
-            extra = (np.full(len(iterations), state.epsilon),) if name == "update norm" else ()
-            chart.data = (iterations, *curves, *marks, *extra)
-
-    def _restyle(self, run: Run, state: State) -> None:
-        ink = palette.css(palette.ink(state.dark))
-        self._caption.content = caption(" &nbsp; ".join(method_span(s.method, i) for i, s in enumerate(run.sides)))
-        empty = np.zeros(2)
-        for name, chart in self._charts.items():
-            log = name == "update norm"
-            lines: list[Any] = [{"label": "iteration"}]
-            for color in palette.METHODS:
-                lines.append({"stroke": palette.css(color), "width": 1.5, "points": {"show": False}})
-            for color in palette.METHODS:
-                point = {"show": True, "size": 9, "fill": palette.css(color), "stroke": palette.css(color)}
-                lines.append({"stroke": palette.css(color), "width": 0, "points": point})
-            if log:
-                lines.append({"stroke": ink, "width": 1, "dash": [4, 4], "points": {"show": False}})
-            if name == "PointAcc":
-                y: Any = {"auto": False, "range": (0.0, 1.05)}
-            elif log:
-                y = {"distr": 3, "auto": False, "range": (1e-4, 10.0)}
+        look = (id(run), state.dark)
+        for name, plot in self._plots.items():
+            data = _error_data(run, name, state.epsilon, iteration)
+            if look == self._look:
+                plot.draw(data)
             else:
-                top = max(float(side.scores.rmse.max()) for side in run.sides)
-                y = {"auto": False, "range": (0.0, 1.05 * max(top, 1e-3))}
-            axis = {"stroke": ink, "grid": {"stroke": palette.css(palette.ink(state.dark), 0.12), "width": 1}}
-            chart.data = (empty, *([empty] * (len(lines) - 1)))
-            chart.series = tuple(lines)
-            chart.scales = {"x": {"time": False, "auto": False, "range": (0.0, float(max(run.iterations, 1)))}, "y": y}
-            chart.axes = ({**axis, "size": 24}, {**axis, "size": 44})  # type: ignore[assignment]
-            chart.legend = {"show": False}
-            chart.cursor = {"show": False}
+                plot.restyle(data, *_error_style(run, name, state.dark))
+        if look != self._look:
+            self._caption.content = caption(both_methods(run))
+        self._look = look
+
+
+def _error_data(run: Run, name: str, epsilon: float, iteration: int) -> tuple[DoubleArray, ...]:
+    """Iterations, both curves, both marks, and the threshold where it belongs."""
+    iterations = np.arange(run.iterations + 1, dtype=np.float64)
+    curves = [padded(curve(side, name), len(iterations)) for side in run.sides]
+    marks = [
+        np.where(iterations == side.clipped(iteration), values, np.nan)
+        for side, values in zip(run.sides, curves, strict=True)
+    ]
+    threshold = (np.full(len(iterations), epsilon),) if name == "update norm" else ()
+    return (iterations, *curves, *marks, *threshold)
+
+
+def _error_style(run: Run, name: str, dark: bool) -> tuple[list[Any], dict[str, Any], list[Any]]:
+    series: list[Any] = [{"label": "iteration"}]
+    colors = [palette.css(color) for color in palette.METHODS]
+    series += [{"stroke": color, "width": 1.5, "points": {"show": False}} for color in colors]
+    series += [
+        {"stroke": color, "width": 0, "points": {"show": True, "size": 9, "fill": color, "stroke": color}}
+        for color in colors
+    ]
+    y: dict[str, Any] = {"auto": False, "range": (0.0, 1.05)}
+    if name == "update norm":
+        series.append({"stroke": palette.css(palette.ink(dark)), "width": 1, "dash": [4, 4], "points": {"show": False}})
+        y = {"distr": 3, "auto": False, "range": (1e-4, 10.0)}
+    elif name == "PointRMSE":
+        y["range"] = (0.0, 1.05 * max(*(float(side.scores.rmse.max()) for side in run.sides), 1e-3))
+    x = {"time": False, "auto": False, "range": (0.0, float(max(run.iterations, 1)))}
+    return series, {"x": x, "y": y}, _axes(dark)
 
 
 def curve(side: MethodRun, name: str) -> FloatArray:
@@ -173,53 +199,53 @@ def curve(side: MethodRun, name: str) -> FloatArray:
     return side.scores.rmse if name == "PointRMSE" else side.scores.accuracy
 
 
-def padded(values: FloatArray, length: int) -> FloatArray:
+def padded(values: FloatArray, length: int) -> DoubleArray:
     """Values followed by gaps, to a length."""
     return np.concatenate([values, np.full(length - len(values), np.nan)]).astype(np.float64)
 
 
 class TrainingCharts:
-    """Mean training error of both sides' maps: all of it, the rotation part and the translation part."""
+    """Training error of both sides' maps: its mean, its deviation, and its rotation and translation parts."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._caption = gui.add_html("")
-        self._charts = {}
+        self._plots = {}
         for name, title in (
             ("mean", "mean training error ‖x* - x‖² after each map"),
             ("deviation", "its standard deviation over the samples"),
-            ("rotation", "rotation part, rad²"),
-            ("translation", "translation part"),
+            ("rotation", "its rotation part, rad²"),
+            ("translation", "its translation part"),
         ):
             gui.add_html(caption(title))
-            self._charts[name] = gui.add_uplot((_NONE, _NONE), ({}, {}), height=88, padding=(4, 10, 0, 0))
-        self._drawn: tuple[object, ...] | None = None
+            self._plots[name] = Plot(gui, height=88)
+        self._look: tuple[object, ...] | None = None
 
     def draw(self, run: Run, state: State) -> None:
         """Draw the training curves of the shown methods."""
         look = (id(run.sides[0].maps), id(run.sides[1].maps), state.dark)
-        if look == self._drawn:
+        if look == self._look:
             return
-        self._drawn = look
-        ink = palette.css(palette.ink(state.dark))
-        self._caption.content = caption(" &nbsp; ".join(method_span(s.method, i) for i, s in enumerate(run.sides)))
-        axis: Any = {"stroke": ink, "grid": {"stroke": palette.css(palette.ink(state.dark), 0.12), "width": 1}}
-        for name, chart in self._charts.items():
+        self._look = look
+        self._caption.content = caption(both_methods(run))
+        series: list[Any] = [{"label": "maps"}]
+        for color in (palette.css(color) for color in palette.METHODS):
+            dots = {"show": True, "size": 4, "fill": color, "stroke": color}
+            series.append({"stroke": color, "width": 1.5, "points": dots})
+        for name, plot in self._plots.items():
             curves = [getattr(side.maps.curves, name) for side in run.sides]
             length = max(len(values) for values in curves)
-            series: list[Any] = [{"label": "maps"}]
-            for color in palette.METHODS:
-                point = {"show": True, "size": 4, "fill": palette.css(color), "stroke": palette.css(color)}
-                series.append({"stroke": palette.css(color), "width": 1.5, "points": point})
-            top = 1.05 * max(float(values.max()) for values in curves)
-            chart.series = tuple(series)
-            chart.scales = {
+            scales = {
                 "x": {"time": False, "auto": False, "range": (0.0, float(length - 1))},
-                "y": {"auto": False, "range": (0.0, top)},
+                "y": {"auto": False, "range": (0.0, 1.05 * max(float(values.max()) for values in curves))},
             }
-            chart.axes = ({**axis, "size": 24}, {**axis, "size": 44})
-            chart.legend = {"show": False}
-            chart.cursor = {"show": False}
-            chart.data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
+            data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
+            plot.restyle(data, series, scales, _axes(state.dark))
+
+
+def _axes(dark: bool) -> list[Any]:
+    ink = palette.ink(dark)
+    axis = {"stroke": palette.css(ink), "grid": {"stroke": palette.css(ink, 0.12), "width": 1}}
+    return [{**axis, "size": 24}, {**axis, "size": 44}]
 
 
 def caption(content: str) -> str:
@@ -229,6 +255,9 @@ def caption(content: str) -> str:
 
 def method_span(method: str, side: int) -> str:
     """A method's name in its pane's colour, as HTML."""
-    import html
-
     return f'<span style="color:{palette.css(palette.METHODS[side])}">● {html.escape(method)}</span>'
+
+
+def both_methods(run: Run) -> str:
+    """Both methods' names in their colours, as HTML."""
+    return " &nbsp; ".join(method_span(side.method, i) for i, side in enumerate(run.sides))

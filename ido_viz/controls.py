@@ -27,6 +27,10 @@ _HINTS = {
     "translation": "Distance in a random direction, in model units. The maps are trained on up to 0.3.",
 }
 LARGEST_SEED = 999_999
+_PREPARING = (
+    '<div style="margin:0 8px;font-size:12px">Preparing. On the very first start the numerical loops are '
+    "compiled, which takes about half a minute.</div>"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +84,7 @@ class Controls:
         self._inputs["speed"] = gui.add_slider(
             "Speed", 1, 60, 1, state.speed, hint="Iterations a second while playing."
         )
-        self._readout = gui.add_html("")
+        self._readout = gui.add_html(_PREPARING)
 
     def _scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
         with gui.add_folder("Perturb the scene"):
@@ -146,9 +150,7 @@ class Controls:
             self._inputs["pinned_map"] = gui.add_slider(
                 "Map", 1, 30, 1, max(1, state.pinned_map), disabled=state.pinned_map == 0
             )
-            self._inputs["ghost"] = gui.add_checkbox(
-                "Ground truth", state.ghost, hint="Green: where the scene belongs."
-            )
+            self._inputs["ghost"] = gui.add_checkbox("Where it belongs", state.ghost, hint="Ground truth, in green.")
             self._inputs["dark"] = gui.add_checkbox("Dark", state.dark)
 
     def _share(self, gui: viser.GuiApi, actions: Actions) -> None:
@@ -283,5 +285,22 @@ def readout_html(run: Run, iteration: int) -> str:
     )
     return (
         '<table style="width:calc(100% - 16px);margin:0 8px;font-size:12px;line-height:1.35;'
-        f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>'
+        f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>' + _LEGEND
     )
+
+
+_LEGEND = (
+    '<div style="margin:4px 8px 0 8px;font-size:11px">'
+    + " &nbsp;".join(
+        '<span style="white-space:nowrap">'
+        + "".join(f'<span style="color:{palette.css(color)}">●</span>' for color in colors)
+        + f" {name}</span>"
+        for name, colors in (
+            ("model", ((128, 128, 128),)),
+            ("scene", palette.METHODS),
+            ("outliers", (palette.OUTLIER,)),
+            ("where it belongs", (palette.GHOST,)),
+        )
+    )
+    + "</div>"
+)
