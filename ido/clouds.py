@@ -162,7 +162,7 @@ def save_cloud(path: str | Path, points: FloatArray) -> None:
 
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.asarray(points, dtype=np.float64)))
     with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
-        written = o3d.io.write_point_cloud(str(path), cloud)
+        written = o3d.io.write_point_cloud(Path(path), cloud)
     if not written:
         raise OSError(f"{path}: cannot be written")
 
@@ -198,7 +198,7 @@ def _read_trimesh(path: Path) -> FloatArray:
     if isinstance(loaded, trimesh.Scene):
         loaded = loaded.to_mesh()
     if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
-        samples, _ = trimesh.sample.sample_surface(loaded, MESH_SAMPLES, seed=0)
+        samples = trimesh.sample.sample_surface(loaded, MESH_SAMPLES, seed=0)[0]
         return np.asarray(samples)
     return np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))
 
@@ -213,7 +213,7 @@ def _read_pcd(path: Path) -> FloatArray:
     import open3d as o3d
 
     with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):  # it warns on standard output
-        cloud = o3d.io.read_point_cloud(str(path), remove_nan_points=False)
+        cloud = o3d.io.read_point_cloud(path, remove_nan_points=False)
     if not cloud.has_points():
         raise CloudError(f"{path.name}: holds no points, or is not a PCD file")
     return np.asarray(cloud.points)

@@ -45,6 +45,11 @@ class Canvas:
         self._camera.position = target + distance * _VIEW_DIRECTION / np.linalg.norm(_VIEW_DIRECTION)
         self._camera.look_at = target
 
+    def draw(self, run: Run, state: State, iteration: int) -> None:
+        """Draw both panes after so many iterations."""
+        for pane, side in zip(self._panes, run.sides, strict=True):
+            pane.draw(run, side, state, iteration)
+
 
 class _Pane:
     def __init__(self, scene: viser.SceneApi, side: int) -> None:
