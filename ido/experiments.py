@@ -27,10 +27,12 @@ LEVELS: dict[str, tuple[float, ...]] = {
 
 
 def sweep_scenes(cloud: Cloud, base: Perturbation, name: str, scenes: int, seed: int) -> Iterator[list[Scene]]:
-    """The scenes of a sweep, level by level. Scene i has the same draw at every level; seeds start at `seed`."""
-    for level in LEVELS[name]:
+    """The scenes of a sweep, level by level, each with a draw of its own; all methods meet the same ones."""
+    first = seed + 10_000 * list(LEVELS).index(name)
+    for number, level in enumerate(LEVELS[name]):
         value = int(level) if name in ("points", "outliers") else level
-        yield [perturb(cloud, replace(base, seed=seed + i, **{name: value})) for i in range(scenes)]
+        seeds = range(first + number * scenes, first + (number + 1) * scenes)
+        yield [perturb(cloud, replace(base, seed=draw, **{name: value})) for draw in seeds]
 
 
 def sweep(

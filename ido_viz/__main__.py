@@ -6,11 +6,14 @@ import sys
 import threading
 import webbrowser
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated
 
 import tyro
 
+from ido import CloudError, MapsError
 from ido_viz.app import App
+from ido_viz.library import Library, shipped_library
 from ido_viz.run import compute
 from ido_viz.state import State, StateError, decode
 
@@ -19,8 +22,12 @@ from ido_viz.state import State, StateError, decode
 class Options:
     """Explore how DO and Improved DO register a perturbed point cloud, step by step, in the browser."""
 
-    shape: Literal["bunny", "urban"] | None = None
-    """Shape to begin with."""
+    shape: str | None = None
+    """Shape to begin with: bunny or urban."""
+    cloud: Path | None = None
+    """A cloud of your own to register; needs --maps."""
+    maps: tuple[Path, ...] = ()
+    """Maps that `ido train` made of that cloud; the first two are shown."""
     state: str | None = None
     """Code of the state to begin with, copied from the page's Share box."""
     host: str = "127.0.0.1"
@@ -35,14 +42,14 @@ def main() -> int:
     """Run the explorer until Ctrl-C."""
     options = tyro.cli(Options, prog="ido-viz")
     try:
-        state = start_state(options)
-        app = App(state, host=options.host, port=options.port)
-    except (StateError, OSError, OverflowError) as error:
+        library, state = start(options)
+        app = App(state, library=library, host=options.host, port=options.port)
+    except (StateError, CloudError, MapsError, OSError, OverflowError) as error:
         print(f"ido-viz: {error}", file=sys.stderr)
         return 2
     print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)
     # compiles on the very first start, and loads clouds and maps, while the browser loads the page
-    threading.Thread(target=compute, args=(state,), daemon=True).start()
+    threading.Thread(target=compute, args=(state, library), daemon=True).start()
     if options.open:
         webbrowser.open(app.url)
     try:
@@ -52,16 +59,25 @@ def main() -> int:
     return 0
 
 
-def start_state(options: Options) -> State:
-    """The state that new tabs begin with.
+def start(options: Options) -> tuple[Library, State]:
+    """What is on offer, and the state that new tabs begin with.
 
     Raises:
-        StateError: the code cannot be used.
+        StateError: the code, the shape or the combination of options cannot be used.
+        CloudError: the cloud cannot be used.
+        MapsError: a maps file cannot be used.
     """
+    library = shipped_library()
     state = decode(options.state) if options.state else State()
-    if options.shape and options.shape != state.shape:
-        state = state.with_shape(options.shape)
-    return state
+    if (options.cloud is None) != (not options.maps):
+        raise StateError("give --cloud and --maps together; make maps with `ido train CLOUD -o FILE`")
+    shape = options.shape
+    if options.cloud is not None:
+        library, own = library.with_own(options.cloud, options.maps)
+        shape = shape or own
+    if shape is not None and shape != state.shape:
+        state = library.at_shape(state, shape)
+    return library, library.checked(state)
 
 
 if __name__ == "__main__":

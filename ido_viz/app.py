@@ -6,6 +6,7 @@ import threading
 
 import viser
 
+from ido_viz.library import Library, shipped_library
 from ido_viz.session import Session
 from ido_viz.state import State
 
@@ -15,12 +16,24 @@ class App:
 
     Args:
         state: what a new tab shows.
+        library: the shapes and methods on offer; the shipped ones unless given.
         host: address to listen on.
         port: port to listen on; a busy one moves on to the next free one.
+
+    Raises:
+        StateError: the state's shape or methods are not in the library.
     """
 
-    def __init__(self, state: State | None = None, *, host: str = "127.0.0.1", port: int = 8080) -> None:
-        self._state = state or State()
+    def __init__(
+        self,
+        state: State | None = None,
+        *,
+        library: Library | None = None,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+    ) -> None:
+        self._library = library or shipped_library()
+        self._state = self._library.checked(state or State())
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         self.server = viser.ViserServer(host=host, port=port, label="IDO Explorer", verbose=False)
@@ -50,7 +63,7 @@ class App:
         self.server.stop()
 
     def _open(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self._state)
+        session = Session(client, self._library, self._state)
         with self._lock:
             self._sessions[client.client_id] = session
         session.start()

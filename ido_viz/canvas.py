@@ -6,7 +6,7 @@ import numpy as np
 import viser
 from scipy.spatial.transform import Rotation
 
-from ido import SHAPES, poses
+from ido import poses
 from ido.types import FloatArray
 from ido_viz import palette
 from ido_viz.run import MethodRun, Run
@@ -80,9 +80,9 @@ class _Pane:
         look = (id(side.maps), state.shape, state.dark)
         if look != self._look:
             model = side.maps.histogram.model.points
-            self._root.wxyz = _upright(SHAPES[state.shape].up)
+            self._root.wxyz = _upright(run.subject.up)
             self._model.points = model
-            self._model.colors = _model_colors(model @ np.array(SHAPES[state.shape].up), state.dark)
+            self._model.colors = _model_colors(model @ np.array(run.subject.up), state.dark)
             self._look = look
         if run is not self._run:
             scene = run.scene

@@ -11,10 +11,11 @@ from typing import Any, TypeVar, get_args
 import numpy as np
 import viser
 
-from ido import RANGES, SHAPES, Perturbation
+from ido import RANGES, Perturbation
 from ido.perturbation import OutlierKind
 from ido_viz import palette
-from ido_viz.run import Run, methods_of
+from ido_viz.library import Library
+from ido_viz.run import Run
 from ido_viz.state import LONGEST_RUN, BinOrder, State, encode
 
 _STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
@@ -49,8 +50,9 @@ class Actions:
 class Controls:
     """All widgets of one page. `read` gives the newest values; `show` writes a state into the widgets."""
 
-    def __init__(self, client: viser.ClientHandle, state: State, actions: Actions) -> None:
+    def __init__(self, client: viser.ClientHandle, library: Library, state: State, actions: Actions) -> None:
         gui = client.gui
+        self._library = library
         self._inputs: dict[str, Any] = {}
         self._actions = actions
         self._playback(gui, state, actions)
@@ -89,7 +91,7 @@ class Controls:
     def _scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
         with gui.add_folder("Perturb the scene"):
             self._inputs["shape"] = gui.add_dropdown(
-                "Shape", tuple(SHAPES), initial_value=state.shape, hint=_shape_hint()
+                "Shape", tuple(self._library.subjects), initial_value=state.shape, hint=self._shape_hint()
             )
             paper = Perturbation()
             for name, allowed in RANGES.items():
@@ -122,7 +124,7 @@ class Controls:
         with gui.add_folder("Methods and stopping"):
             for name in ("left", "right"):
                 self._inputs[name] = gui.add_dropdown(
-                    f"{name.capitalize()} pane", methods_of(state.shape), initial_value=getattr(state, name)
+                    f"{name.capitalize()} pane", self._library.methods(state.shape), initial_value=getattr(state, name)
                 )
             self._inputs["epsilon"] = gui.add_number(
                 "Stop below ε",
@@ -158,6 +160,9 @@ class Controls:
             self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
             self._code.on_update(lambda event: actions.apply_code(event.target.value) if event.client else None)
 
+    def _shape_hint(self) -> str:
+        return "; ".join(f"{name}: {subject.title}" for name, subject in self._library.subjects.items())
+
     def _on_input(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is not None:
             self._actions.changed()
@@ -170,13 +175,13 @@ class Controls:
             outlier_kind=value["outlier_kind"],
             seed=_within(value["seed"], 0, LARGEST_SEED, 0),
         )
-        known = methods_of(value["shape"])
+        known = self._library.methods(value["shape"])
         return replace(
             state,
             shape=value["shape"],
             perturbation=perturbation,
             left=value["left"] if value["left"] in known else known[0],
-            right=value["right"] if value["right"] in known else known[1],
+            right=value["right"] if value["right"] in known else known[-1],
             epsilon=_within(value["epsilon"], 1e-5, 0.1, State().epsilon),
             max_iterations=_within(value["max_iterations"], 1, LONGEST_RUN, State().max_iterations),
             speed=value["speed"],
@@ -189,7 +194,7 @@ class Controls:
 
     def show(self, state: State) -> None:
         """Write a state into the widgets, those that differ from it alone."""
-        known = methods_of(state.shape)
+        known = self._library.methods(state.shape)
         for name in ("left", "right"):
             if self._inputs[name].options != known:
                 self._inputs[name].options = known
@@ -250,10 +255,6 @@ def _within(value: Any, low: float, high: float, default: Number) -> Number:
     if not isinstance(value, int | float) or not math.isfinite(value):
         return default
     return type(default)(min(max(value, low), high))
-
-
-def _shape_hint() -> str:
-    return "; ".join(f"{name}: {shape.title}" for name, shape in SHAPES.items())
 
 
 def readout_html(run: Run, iteration: int) -> str:

@@ -6,16 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ido import SHAPES, Cloud, Maps, Scene, Scores, Trajectory, perturb, register, score, shipped_cloud, shipped_maps
+from ido import Maps, Scene, Scores, Trajectory, perturb, register, score
 from ido.types import FloatArray
-from ido_viz.state import State, StateError
-
-METHODS: dict[str, str] = {
-    "DO": "front-back",
-    "Improved DO": "triple-binary",
-    "Improved DO (as printed)": "as-printed",
-}
-"""Name of each method in the menus, and of the histogram it is trained on."""
+from ido_viz.library import Library, Subject
+from ido_viz.state import State
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +43,7 @@ class MethodRun:
 class Run:
     """A scene and both methods' registrations of it."""
 
-    cloud: Cloud
+    subject: Subject
     scene: Scene
     sides: tuple[MethodRun, MethodRun]
 
@@ -69,26 +63,20 @@ def inputs(state: State) -> tuple[object, ...]:
     return (state.shape, state.perturbation, state.left, state.right, state.epsilon, state.max_iterations)
 
 
-def methods_of(shape: str) -> tuple[str, ...]:
-    """Names of the methods that can register a shape."""
-    return tuple(name for name, histogram in METHODS.items() if histogram in SHAPES[shape].histograms)
-
-
-def compute(state: State) -> Run:
+def compute(state: State, library: Library) -> Run:
     """Make the scene and register it with both methods.
 
     Raises:
-        StateError: a method is not available for the shape.
+        StateError: the shape is unknown, or a method is not available for it.
     """
-    cloud = shipped_cloud(state.shape)
-    scene = perturb(cloud, state.perturbation)
-    return Run(cloud, scene, (_register(state, state.left, scene), _register(state, state.right, scene)))
+    subject = library.subject(state.shape)
+    scene = perturb(subject.cloud(), state.perturbation)
+    left, right = (_register(state, library, method, scene) for method in (state.left, state.right))
+    return Run(subject, scene, (left, right))
 
 
-def _register(state: State, method: str, scene: Scene) -> MethodRun:
-    if method not in methods_of(state.shape):
-        raise StateError(f"{method!r} cannot register {state.shape!r}; choose one of {methods_of(state.shape)}")
-    maps = shipped_maps(state.shape, METHODS[method])
+def _register(state: State, library: Library, method: str, scene: Scene) -> MethodRun:
+    maps = library.maps(state.shape, method)
     trajectory = register(maps, scene.points, epsilon=state.epsilon, max_iterations=state.max_iterations)
     poses = trajectory.T_model_scene
     return MethodRun(method, maps, trajectory, poses, score(scene, poses))

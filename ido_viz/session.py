@@ -15,9 +15,10 @@ from dataclasses import replace
 
 import viser
 
-from ido import SHAPES, Perturbation
+from ido import Perturbation
 from ido_viz.canvas import Canvas
 from ido_viz.controls import LARGEST_SEED, Actions, Controls
+from ido_viz.library import Library
 from ido_viz.panels import Panels
 from ido_viz.run import Run, compute, inputs
 from ido_viz.state import LAST, State, StateError, decode
@@ -31,8 +32,9 @@ _log = logging.getLogger(__name__)
 class Session:
     """Serves one tab from `start` until `close`."""
 
-    def __init__(self, client: viser.ClientHandle, state: State) -> None:
+    def __init__(self, client: viser.ClientHandle, library: Library, state: State) -> None:
         self._client = client
+        self._library = library
         self._awake = threading.Condition()
         self._state = state
         self._read_controls = False
@@ -93,14 +95,14 @@ class Session:
 
     def _paper_defaults(self) -> None:
         def reset(state: State) -> State:
-            kind = SHAPES[state.shape].outlier_kind
+            kind = self._library.subject(state.shape).outlier_kind
             return replace(state, perturbation=Perturbation(outlier_kind=kind, seed=state.perturbation.seed))
 
         self._change(reset, show=True)
 
     def _apply_code(self, code: str) -> None:
         try:
-            state = decode(code)
+            state = self._library.checked(decode(code))
         except StateError as error:
             self._tell("This code cannot be used", str(error))
             return
@@ -131,7 +133,7 @@ class Session:
             apply_code=self._apply_code,
         )
         with self._client.atomic():
-            self._controls = Controls(self._client, self._state, actions)
+            self._controls = Controls(self._client, self._library, self._state, actions)
             self._panels = Panels(self._client)
             self._canvas = Canvas(self._client)
         self._theme: bool | None = None
@@ -158,7 +160,7 @@ class Session:
             before = state
             state = self._controls.read(state)
             if state.shape != before.shape:
-                state = state.with_shape(state.shape)
+                state = self._library.at_shape(replace(before, shape=state.shape), state.shape)
             show = True
         self._read_controls = self._show_state = self._dirty = False
         now = time.perf_counter()
@@ -174,7 +176,7 @@ class Session:
     def _frame(self, state: State, show: bool) -> None:
         first = self._run is None
         if inputs(state) != self._run_inputs:
-            run = compute(state)
+            run = compute(state, self._library)
             with self._awake:
                 self._run, self._run_inputs = run, inputs(state)
                 if first:

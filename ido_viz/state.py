@@ -6,10 +6,10 @@ import base64
 import binascii
 import json
 import zlib
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal, get_args
 
-from ido import SHAPES, Perturbation
+from ido import Perturbation
 from ido.registration import EPSILON, MAX_ITERATIONS
 
 BinOrder = Literal["reference value", "model index", "elevation", "azimuth"]
@@ -29,7 +29,7 @@ class State:
     """What a page shows.
 
     Args:
-        shape: name of a shipped shape.
+        shape: name of the shape.
         perturbation: makes the scene.
         left: method of the left pane.
         right: method of the right pane.
@@ -64,8 +64,6 @@ class State:
     dark: bool = False
 
     def __post_init__(self) -> None:
-        if self.shape not in SHAPES:
-            raise StateError(f"unknown shape {self.shape!r}; known: {', '.join(SHAPES)}")
         if self.order not in get_args(BinOrder):
             raise StateError(f"unknown order of bins {self.order!r}; known: {', '.join(get_args(BinOrder))}")
         limits = {
@@ -78,11 +76,6 @@ class State:
         for name, (low, high) in limits.items():
             if not low <= getattr(self, name) <= high:
                 raise StateError(f"{name} must lie between {low:g} and {high:g}, not {getattr(self, name)}")
-
-    def with_shape(self, shape: str) -> State:
-        """The same for another shape, with the outliers that the paper gives it."""
-        perturbation = replace(self.perturbation, outlier_kind=SHAPES[shape].outlier_kind)
-        return replace(self, shape=shape, perturbation=perturbation)
 
 
 def encode(state: State) -> str:

@@ -1,0 +1,129 @@
+"""The shapes that a page offers, each with the methods that can register it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+
+from ido import SHAPES, Cloud, Maps, load_cloud, shipped_cloud, shipped_maps
+from ido.perturbation import OutlierKind
+from ido_viz.state import State, StateError
+
+METHODS: dict[str, str] = {
+    "DO": "front-back",
+    "Improved DO": "triple-binary",
+    "Improved DO (as printed)": "as-printed",
+}
+"""Name of each shipped method in the menus, and of the histogram it is trained on."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Subject:
+    """A shape to register: its cloud and its methods' maps are loaded when they are first asked for."""
+
+    title: str
+    cloud: Callable[[], Cloud]
+    methods: Mapping[str, Callable[[], Maps]]
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    outlier_kind: OutlierKind = "uniform"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Library:
+    """All subjects by name."""
+
+    subjects: Mapping[str, Subject]
+
+    def subject(self, name: str) -> Subject:
+        """A subject by name.
+
+        Raises:
+            StateError: there is none of this name.
+        """
+        if name not in self.subjects:
+            raise StateError(f"unknown shape {name!r}; known: {', '.join(self.subjects)}")
+        return self.subjects[name]
+
+    def methods(self, shape: str) -> tuple[str, ...]:
+        """Names of the methods that can register a shape."""
+        return tuple(self.subject(shape).methods)
+
+    def maps(self, shape: str, method: str) -> Maps:
+        """The maps of a method.
+
+        Raises:
+            StateError: the shape or the method is unknown.
+        """
+        if method not in self.methods(shape):
+            raise StateError(f"{method!r} cannot register {shape!r}; choose one of {', '.join(self.methods(shape))}")
+        return self.subject(shape).methods[method]()
+
+    def at_shape(self, state: State, shape: str) -> State:
+        """A state for another shape, with the outliers that suit it and methods that can register it."""
+        subject, known = self.subject(shape), self.methods(shape)
+        return replace(
+            state,
+            shape=shape,
+            left=state.left if state.left in known else known[0],
+            right=state.right if state.right in known else known[min(1, len(known) - 1)],
+            perturbation=replace(state.perturbation, outlier_kind=subject.outlier_kind),
+        )
+
+    def checked(self, state: State) -> State:
+        """The state itself, when its shape and both its methods are known.
+
+        Raises:
+            StateError: one of them is not.
+        """
+        for method in (state.left, state.right):
+            if method not in self.methods(state.shape):
+                raise StateError(f"{method!r} cannot register {state.shape!r} here")
+        return state
+
+    def with_own(self, cloud: Path, maps: Sequence[Path]) -> tuple[Library, str]:
+        """This library and a user's cloud, registered by the user's maps; and the name the cloud got.
+
+        Raises:
+            CloudError: the cloud cannot be used.
+            MapsError: a maps file cannot be used.
+            StateError: maps were trained on another cloud.
+        """
+        own = Cloud.of(load_cloud(cloud))
+        methods: dict[str, Callable[[], Maps]] = {}
+        for path in maps:
+            loaded = Maps.load(path)
+            same_place = np.allclose(loaded.frame.centre, own.frame.centre, atol=1e-3 * own.frame.scale)
+            if not (same_place and np.isclose(loaded.frame.scale, own.frame.scale, rtol=1e-3)):
+                raise StateError(f"{path.name} was trained on another cloud than {cloud.name}; train maps on it first")
+            methods[path.stem] = partial(_maps_itself, loaded)
+        subject = Subject(cloud.name, lambda: own, methods)
+        return Library({**self.subjects, cloud.stem: subject}), cloud.stem
+
+
+def _maps_itself(maps: Maps) -> Maps:
+    return maps
+
+
+@cache
+def shipped_library() -> Library:
+    """The shapes and methods that ship with the program."""
+    return Library(
+        {
+            name: Subject(
+                shape.title,
+                partial(shipped_cloud, name),
+                {
+                    method: partial(shipped_maps, name, histogram)
+                    for method, histogram in METHODS.items()
+                    if histogram in shape.histograms
+                },
+                shape.up,
+                shape.outlier_kind,
+            )
+            for name, shape in SHAPES.items()
+        }
+    )
