@@ -63,9 +63,11 @@ def main(args: Sequence[str] | None = None) -> int | None:
         return 130
     except OSError as error:
         _note(f"[bold red]error:[/] {escape(f'{error.filename}: {error.strerror}' if error.filename else str(error))}")
-    except (ValueError, MemoryError, BrokenExecutor) as error:
+    except MemoryError as error:
+        _note(f"[bold red]error:[/] not enough memory; {escape(str(error))}")
+    except (ValueError, BrokenExecutor) as error:
         message = " ".join(str(error).split())  # readers of foreign files write several lines
-        _note(f"[bold red]error:[/] {escape(message or 'not enough memory')}")
+        _note(f"[bold red]error:[/] {escape(message)}")
     return 2
 
 
@@ -125,7 +127,7 @@ def train_command(
             if executor:
                 executor.shutdown(cancel_futures=True)
     trained.save(output)
-    for line in _training_summary(trained, time.monotonic() - began):
+    for line in training_summary(trained, time.monotonic() - began):
         _note(line)
     _note(f"written to {escape(str(output))}")
     return None if trained.complete else 130
@@ -297,7 +299,7 @@ def _process_pool(workers: int | None) -> AbstractContextManager[Executor | None
     return ProcessPoolExecutor(workers, mp_context=spawn, initializer=signal.signal, initargs=ignore_interrupt)
 
 
-def _training_summary(maps: Maps, seconds: float) -> list[str]:
+def training_summary(maps: Maps, seconds: float) -> list[str]:
     n, curves = len(maps.maps), maps.curves
     lines = [f"{n} maps trained in {seconds:.1f} s; training error {curves.mean[0]:.5f} to {curves.mean[-1]:.5f}"]
     if not maps.complete:

@@ -167,8 +167,11 @@ class Controls:
         if event.client is not None:
             self._actions.changed()
 
-    def read(self, state: State) -> State:
-        """The state with the widgets' newest values; nonsense is brought into range."""
+    def read(self, state: State) -> tuple[State, bool]:
+        """The state with the widgets' newest values, and whether they all were usable as they are.
+
+        Nonsense is brought into range.
+        """
         value = {name: handle.value for name, handle in self._inputs.items()}
         perturbation = Perturbation(
             **{name: _within(value[name], r.low, r.high, getattr(Perturbation(), name)) for name, r in RANGES.items()},
@@ -176,7 +179,7 @@ class Controls:
             seed=_within(value["seed"], 0, LARGEST_SEED, 0),
         )
         known = self._library.methods(value["shape"])
-        return replace(
+        newest = replace(
             state,
             shape=value["shape"],
             perturbation=perturbation,
@@ -191,6 +194,8 @@ class Controls:
             ghost=value["ghost"],
             dark=value["dark"],
         )
+        wanted = _widget_values(newest)
+        return newest, all(value[name] == wanted[name] for name in wanted)
 
     def show(self, state: State) -> None:
         """Write a state into the widgets, those that differ from it alone."""
@@ -198,18 +203,22 @@ class Controls:
         for name in ("left", "right"):
             if self._inputs[name].options != known:
                 self._inputs[name].options = known
-        wanted: dict[str, Any] = {name: getattr(state.perturbation, name) for name in (*RANGES, "outlier_kind", "seed")}
-        wanted |= {name: getattr(state, name) for name in _DIRECT}
-        wanted["follow"] = state.pinned_map == 0
-        if state.pinned_map:
-            wanted["pinned_map"] = state.pinned_map
-        for name, value in wanted.items():
+        for name, value in _widget_values(state).items():
             if self._inputs[name].value != value:
                 self._inputs[name].value = value
-        self._inputs["pinned_map"].disabled = state.pinned_map == 0
+
+    def show_run(self, run: Run, state: State, iteration: int) -> None:
+        """Write what only shows: the readouts and the labels."""
+        self._readout.content = readout_html(run, iteration)
+        label = "Pause (P)" if state.playing else "Play (P)"
+        if self._play.label != label:
+            self._play.label = label
+            self._play.icon = viser.Icon.PLAYER_PAUSE if state.playing else viser.Icon.PLAYER_PLAY
+        if self._inputs["pinned_map"].disabled != (state.pinned_map == 0):
+            self._inputs["pinned_map"].disabled = state.pinned_map == 0
 
     def show_iteration(self, run: Run, state: State, iteration: int) -> None:
-        """Write the iteration, the readouts and the code."""
+        """Write the iteration, and, when nothing plays, the code."""
         last = max(1, run.iterations)
         if self._scrub.max != last:
             if self._scrub.value > last:
@@ -217,29 +226,32 @@ class Controls:
             self._scrub.max = last
         if self._scrub.value != iteration:
             self._scrub.value = iteration
-        label = "Pause (P)" if state.playing else "Play (P)"
-        if self._play.label != label:
-            self._play.label = label
-            self._play.icon = viser.Icon.PLAYER_PAUSE if state.playing else viser.Icon.PLAYER_PLAY
-        self._readout.content = readout_html(run, iteration)
         if not state.playing:
             code = encode(state)
             if self._code.value != code:
                 self._code.value = code
 
 
-_DIRECT = (
-    "shape",
-    "left",
-    "right",
-    "epsilon",
-    "max_iterations",
-    "speed",
-    "order",
-    "difference",
-    "ghost",
-    "dark",
-)
+def _widget_values(state: State) -> dict[str, Any]:
+    """What each widget holds for a state."""
+    values: dict[str, Any] = {name: getattr(state.perturbation, name) for name in (*RANGES, "outlier_kind", "seed")}
+    for name in (
+        "shape",
+        "left",
+        "right",
+        "epsilon",
+        "max_iterations",
+        "speed",
+        "order",
+        "difference",
+        "ghost",
+        "dark",
+    ):
+        values[name] = getattr(state, name)
+    values["follow"] = state.pinned_map == 0
+    if state.pinned_map:
+        values["pinned_map"] = state.pinned_map
+    return values
 
 
 def _plain(act: Callable[[], None]) -> Callable[[Any], None]:

@@ -158,10 +158,10 @@ class Session:
         show, state = self._show_state, self._state
         if self._read_controls and not show:
             before = state
-            state = self._controls.read(state)
+            state, usable = self._controls.read(state)
             if state.shape != before.shape:
-                state = self._library.at_shape(replace(before, shape=state.shape), state.shape)
-            show = True
+                state = self._library.at_shape(state, state.shape)
+            show = not usable or state.shape != before.shape
         self._read_controls = self._show_state = self._dirty = False
         now = time.perf_counter()
         if state.playing and self._run is not None:
@@ -191,7 +191,9 @@ class Session:
                 self._theme = state.dark
             self._canvas.draw(self._run, state, iteration)
             self._panels.draw(self._run, state, iteration)
-            self._controls.show_iteration(self._run, state, iteration)
+            self._controls.show_run(self._run, state, iteration)
+            if not self._dirty:  # the slider may have been dragged on meanwhile
+                self._controls.show_iteration(self._run, state, iteration)
             if show:
                 self._controls.show(state)
 
