@@ -1,4 +1,4 @@
-"""Charts of the docked panels: histograms against the reference line, errors over iterations, training errors."""
+"""Charts of the docked panels: histograms against the reference line, and errors over iterations."""
 
 from __future__ import annotations
 
@@ -189,7 +189,7 @@ def _error_style(run: Run, name: str, dark: bool) -> tuple[list[Any], dict[str, 
     elif name == "PointRMSE":
         y["range"] = (0.0, 1.05 * max(*(float(side.scores.rmse.max()) for side in run.sides), 1e-3))
     x = {"time": False, "auto": False, "range": (0.0, float(max(run.iterations, 1)))}
-    return series, {"x": x, "y": y}, _axes(dark)
+    return series, {"x": x, "y": y}, plain_axes(dark)
 
 
 def curve(side: MethodRun, name: str) -> FloatArray:
@@ -204,45 +204,8 @@ def padded(values: FloatArray, length: int) -> DoubleArray:
     return np.concatenate([values, np.full(length - len(values), np.nan)]).astype(np.float64)
 
 
-class TrainingCharts:
-    """Training error of both sides' maps: its mean, its deviation, and its rotation and translation parts."""
-
-    def __init__(self, gui: viser.GuiApi) -> None:
-        self._caption = gui.add_html("")
-        self._plots = {}
-        for name, title in (
-            ("mean", "mean training error ‖x* - x‖² after each map"),
-            ("deviation", "its standard deviation over the samples"),
-            ("rotation", "its rotation part, rad²"),
-            ("translation", "its translation part"),
-        ):
-            gui.add_html(caption(title))
-            self._plots[name] = Plot(gui, height=88)
-        self._look: tuple[object, ...] | None = None
-
-    def draw(self, run: Run, state: State) -> None:
-        """Draw the training curves of the shown methods."""
-        look = (id(run.sides[0].maps), id(run.sides[1].maps), state.dark)
-        if look == self._look:
-            return
-        self._look = look
-        self._caption.content = caption(both_methods(run))
-        series: list[Any] = [{"label": "maps"}]
-        for color in (palette.css(color) for color in palette.METHODS):
-            dots = {"show": True, "size": 4, "fill": color, "stroke": color}
-            series.append({"stroke": color, "width": 1.5, "points": dots})
-        for name, plot in self._plots.items():
-            curves = [getattr(side.maps.curves, name) for side in run.sides]
-            length = max(len(values) for values in curves)
-            scales = {
-                "x": {"time": False, "auto": False, "range": (0.0, float(length - 1))},
-                "y": {"auto": False, "range": (0.0, 1.05 * max(float(values.max()) for values in curves))},
-            }
-            data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
-            plot.restyle(data, series, scales, _axes(state.dark))
-
-
-def _axes(dark: bool) -> list[Any]:
+def plain_axes(dark: bool) -> list[Any]:
+    """Axes with a faint grid, in the page's ink."""
     ink = palette.ink(dark)
     axis = {"stroke": palette.css(ink), "grid": {"stroke": palette.css(ink, 0.12), "width": 1}}
     return [{**axis, "size": 24}, {**axis, "size": 44}]

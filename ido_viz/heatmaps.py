@@ -95,9 +95,14 @@ def _picture(maps: Maps, number: int, order: str) -> tuple[str, float]:
     levels = np.clip(np.rint((values / scale + 1) * 127.5), 0, 255).astype(np.uint8)
     picture = Image.fromarray(np.repeat(levels, _ROW, axis=0))
     picture.putpalette(_DIVERGING.tobytes())
+    return png_address(picture), scale
+
+
+def png_address(picture: Image.Image) -> str:
+    """A picture as the data address of a PNG."""
     stream = io.BytesIO()
     picture.save(stream, format="PNG", compress_level=6)
-    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode(), scale
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
 
 
 def _diverging() -> np.ndarray:

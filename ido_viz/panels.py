@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import viser
 
-from ido_viz.charts import ErrorCharts, HistogramChart, TrainingCharts
+from ido_viz.charts import ErrorCharts, HistogramChart
 from ido_viz.heatmaps import ComparedMaps, Heatmap
 from ido_viz.run import Run
 from ido_viz.state import State
+from ido_viz.training import TrainingCharts
 
 CONTROLS_WIDTH = 300
 CHARTS_WIDTH = 400

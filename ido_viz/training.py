@@ -1,0 +1,80 @@
+"""Charts of how the shown methods' maps were trained (paper, Fig. "Training Curves")."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import viser
+from PIL import Image
+
+from ido import Maps
+from ido_viz import palette
+from ido_viz.charts import Plot, both_methods, caption, method_span, padded, plain_axes
+from ido_viz.heatmaps import png_address
+from ido_viz.run import Run
+from ido_viz.state import State
+
+
+class TrainingCharts:
+    """Training error of both sides' maps: its mean, its deviation, and its rotation and translation parts."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._caption = gui.add_html("")
+        self._plots = {}
+        for name, title in (
+            ("mean", "mean training error ‖x* - x‖² after each map"),
+            ("deviation", "its standard deviation over the samples"),
+            ("rotation", "its rotation part, rad²"),
+            ("translation", "its translation part"),
+        ):
+            gui.add_html(caption(title))
+            self._plots[name] = Plot(gui, height=88)
+        self._samples = gui.add_html("")
+        self._look: tuple[object, ...] | None = None
+
+    def draw(self, run: Run, state: State) -> None:
+        """Draw the training curves of the shown methods."""
+        look = (id(run.sides[0].maps), id(run.sides[1].maps), state.dark)
+        if look == self._look:
+            return
+        self._look = look
+        self._caption.content = caption(both_methods(run))
+        series: list[Any] = [{"label": "maps"}]
+        for color in (palette.css(color) for color in palette.METHODS):
+            dots = {"show": True, "size": 4, "fill": color, "stroke": color}
+            series.append({"stroke": color, "width": 1.5, "points": dots})
+        for name, plot in self._plots.items():
+            curves = [getattr(side.maps.curves, name) for side in run.sides]
+            length = max(len(values) for values in curves)
+            scales = {
+                "x": {"time": False, "auto": False, "range": (0.0, float(length - 1))},
+                "y": {"auto": False, "range": (0.0, 1.05 * max(float(values.max()) for values in curves))},
+            }
+            data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
+            plot.restyle(data, series, scales, plain_axes(state.dark))
+        self._samples.content = "".join(
+            _samples_html(
+                side.maps, f"{method_span(side.method, i)} {part} errors of {_SHOWN} training samples", columns
+            )
+            for part, columns in (("rotation", slice(3, 6)), ("translation", slice(0, 3)))
+            for i, side in enumerate(run.sides)
+        )
+
+
+_LEVELS = 40  # rows of the picture of the samples' errors
+
+
+def _samples_html(maps: Maps, title: str, columns: slice) -> str:
+    """How the samples' errors spread after each map, from left to right; darker where more samples are."""
+    errors = np.linalg.norm(maps.curves.residuals[:, :, columns].astype(np.float64), axis=2)
+    top = float(np.quantile(errors[0], 0.99)) or 1.0
+    edges = np.linspace(0.0, top, _LEVELS + 1)
+    counts = np.stack([np.histogram(np.clip(row, 0.0, top), bins=edges)[0] for row in errors], axis=1)[::-1]
+    shades = 255 * (1 - np.log1p(counts) / np.log1p(counts.max()))
+    source = png_address(Image.fromarray(np.rint(shades).astype(np.uint8)))
+    return (
+        caption(f'{title}<span style="float:right">0 to {top:.2g}</span>')
+        + f'<img alt="spread of the training errors" src="{source}" style="display:block;width:calc(100% - 16px);'
+        f'height:70px;margin:2px 8px 6px 8px;image-rendering:pixelated">'
+    )
