@@ -56,10 +56,10 @@ class HistogramChart:
     Each block is drawn relative to its largest reference bin, so that all blocks fill the height.
     """
 
-    def __init__(self, gui: viser.GuiApi, side: int) -> None:
+    def __init__(self, gui: viser.GuiApi, side: int, height: int) -> None:
         self._side = side
         self._caption = gui.add_html("")
-        self._plot = Plot(gui, height=104)
+        self._plot = Plot(gui, height)
         self._look: tuple[object, ...] | None = None
 
     def draw(self, run: Run, state: State, iteration: int) -> None:

@@ -14,6 +14,11 @@ CONTROLS_WIDTH = 300
 CHARTS_WIDTH = 400
 
 
+def _chart_height(window: int) -> int:
+    """Height at which two histograms fill the upper half of a window."""
+    return min(max(round(0.29 * window) - 105, 104), 200)
+
+
 class Panels:
     """Places the panels of one page and draws what they hold."""
 
@@ -24,7 +29,8 @@ class Panels:
         gui.main_panel.set_width(CONTROLS_WIDTH)
         top = gui.add_panel(order=0)
         with top.add_tab("Histograms", viser.Icon.CHART_HISTOGRAM):
-            self._histograms = [HistogramChart(gui, side) for side in range(2)]
+            height = _chart_height(client.camera.image_height)
+            self._histograms = [HistogramChart(gui, side, height) for side in range(2)]
         bottom = gui.add_panel(order=1)
         with bottom.add_tab("Maps"):
             self._heatmaps = [Heatmap(gui, side) for side in range(2)]

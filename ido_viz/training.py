@@ -54,9 +54,7 @@ class TrainingCharts:
             data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
             plot.restyle(data, series, scales, plain_axes(state.dark))
         self._samples.content = "".join(
-            _samples_html(
-                side.maps, f"{method_span(side.method, i)} {part} errors of {_SHOWN} training samples", columns
-            )
+            _samples_html(side.maps, f"{method_span(side.method, i)} {part} error of 600 samples", columns)
             for part, columns in (("rotation", slice(3, 6)), ("translation", slice(0, 3)))
             for i, side in enumerate(run.sides)
         )
