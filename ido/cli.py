@@ -20,11 +20,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
-from scipy.special import stdtrit
 from tyro.conf import Positional, arg
 
 from ido.clouds import Cloud, Model, Orientation, load_cloud, save_cloud
-from ido.experiments import LEVELS, sweep
+from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps, TrainingSettings
 from ido.perturbation import OutlierKind, Perturbation
@@ -59,8 +58,11 @@ def main(args: Sequence[str] | None = None) -> int | None:
             commands, prog="ido", description=description, args=args, config=(tyro.conf.DisallowNone,)
         )
     except KeyboardInterrupt:
-        _note("interrupted; nothing was written")
-        return 130
+        return _interrupted()
+    except ImportError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # what Open3D makes of Ctrl-C while it is imported
+            return _interrupted()
+        raise
     except OSError as error:
         _note(f"[bold red]error:[/] {escape(f'{error.filename}: {error.strerror}' if error.filename else str(error))}")
     except MemoryError as error:
@@ -248,15 +250,6 @@ def pose_as_json(T_model_scene: FloatArray, track: Trajectory) -> str:
     return json.dumps(result, indent=2, allow_nan=False)
 
 
-def mean_and_interval(values: FloatArray) -> tuple[float, float]:
-    """Mean of values (levels, scenes) and half of its 95% confidence interval.
-
-    A scene keeps its random draw at all levels, so only the means over the levels are independent.
-    """
-    each = values.mean(axis=0)
-    return float(each.mean()), float(stdtrit(len(each) - 1, 0.975) * each.std(ddof=1) / np.sqrt(len(each)))
-
-
 def _points_of(cloud: str) -> FloatArray:
     if cloud in SHAPES:
         shipped = shipped_cloud(cloud)
@@ -323,6 +316,11 @@ def _progress(count: str) -> Progress:
         console=Console(stderr=True),
         speed_estimate_period=3600,
     )
+
+
+def _interrupted() -> int:
+    _note("interrupted; nothing was written")
+    return 130
 
 
 def _note(markup: str) -> None:

@@ -52,3 +52,13 @@ def sweep(
         scores = [score(scene, track.T_model_scene[-1]) for scene, track in zip(level, tracks, strict=True)]
         results.append([(s.accuracy, s.rmse) for s in scores])
     return np.array(results, dtype=np.float64)
+
+
+def mean_and_interval(values: FloatArray) -> tuple[float, float]:
+    """Mean of a sweep's values (levels, scenes) and half of its 95% confidence interval.
+
+    The levels are given and the scenes at each are independent draws, so the levels' variances add up.
+    """
+    n_levels, n_scenes = values.shape
+    variance = values.var(axis=1, ddof=1).sum() / (n_scenes * n_levels**2)
+    return float(values.mean()), float(1.96 * np.sqrt(variance))

@@ -27,6 +27,18 @@ _SCENES_A_THREAD = 8
 Normalisation = Literal["unit-norm", "unit-sum"]
 
 
+def finite(points: FloatArray) -> FloatArray:
+    """Points as the compiled loops want them: float32, in one piece, and none that would lead them out of bounds.
+
+    Raises:
+        ValueError: coordinates are not finite.
+    """
+    points = np.ascontiguousarray(points, dtype=np.float32)
+    if not np.isfinite(points).all():
+        raise ValueError("the scene has coordinates that are not finite; remove those points first")
+    return points
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneBatch:
     """Many scenes in one array: scene i is ``points[starts[i]:starts[i + 1]]``."""
@@ -36,10 +48,13 @@ class SceneBatch:
 
     @classmethod
     def of(cls, scenes: Sequence[FloatArray]) -> SceneBatch:
-        """Pack scenes, each of shape (S_i, 3)."""
+        """Pack scenes, each of shape (S_i, 3).
+
+        Raises:
+            ValueError: coordinates are not finite.
+        """
         starts = np.concatenate([[0], np.cumsum([len(scene) for scene in scenes])]).astype(np.int64)
-        points = np.concatenate([np.asarray(s, dtype=np.float32) for s in scenes]) if scenes else np.empty((0, 3))
-        return cls(np.ascontiguousarray(points, dtype=np.float32), starts)
+        return cls(finite(np.concatenate([*scenes, np.empty((0, 3))])), starts)
 
     def __len__(self) -> int:
         return len(self.starts) - 1
@@ -81,7 +96,8 @@ class Histogram(ABC):
 
     def batch(self, scenes: SceneBatch, x: FloatArray) -> FloatArray:
         """Histograms of many scenes, moved by x (B, 6); shape (B, n_bins), float32."""
-        return np.stack([self(scenes[i], x[i]) for i in range(len(scenes))])
+        rows = [self(scenes[i], x[i]) for i in range(len(scenes))]
+        return np.stack(rows) if rows else np.empty((0, self.n_bins), dtype=np.float32)
 
     @property
     def n_bins(self) -> int:
@@ -146,7 +162,7 @@ class _Compiled(Histogram):
 class FrontBack(_Compiled):
     """DO: Σ w over the scene points in front of each model point, and over those behind it.
 
-    w = exp(-‖s - m_a‖² / σ²); s is in front when n_a · (s - m_a) > 0.
+    w = exp(-‖s - m_a‖² / σ²), or nothing where that is below 1e-6; s is in front when n_a · (s - m_a) > 0.
     """
 
     name = "front-back"
@@ -155,6 +171,7 @@ class FrontBack(_Compiled):
     def sides(self, moved: FloatArray) -> FloatArray:
         offset = moved[None] - self.model.points.astype(np.float64)[:, None]  # (M, S, 3)
         weight = np.exp(-(offset**2).sum(axis=-1) / SIGMA2)
+        weight = np.where(weight > kernels.SMALLEST_WEIGHT, weight, 0.0)
         in_front = (offset * self.model.normals.astype(np.float64)[:, None]).sum(axis=-1) > 0
         return np.stack([(weight * in_front).sum(axis=1), (weight * ~in_front).sum(axis=1)])
 

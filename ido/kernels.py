@@ -1,7 +1,7 @@
 """The compiled loops. Each has a plain NumPy definition in `ido.histograms` that the tests hold it against.
 
 Front / back weighs every scene point against every model point, and dominates everything else. The weight
-exp(-d²/σ²) is below 1e-6 for nine pairs out of ten, so the model points are put into small boxes, the scene points
+exp(-d²/σ²) is below 1e-6, and counts as nothing, for nine pairs out of ten. So the model points are put into small boxes, the scene points
 within reach of a box are gathered, first for a group of boxes and then for each, and only those are weighed.
 Coordinates are scaled so that the weight is 2^-d², computed as a quartic times a power of two put together from bits.
 """
@@ -25,7 +25,7 @@ _FAR = np.float32(1e4)
 _nodes = np.cos(np.linspace(0.0, np.pi, 400)) / 2
 _E4, _E3, _E2, _E1, _E0 = (np.float32(c) for c in np.polyfit(_nodes, 2.0**_nodes, 4, w=2.0**-_nodes))
 
-_ZERO, _HALF, _LOWEST = np.float32(0), np.float32(0.5), np.float32(-126)
+_ZERO, _HALF = np.float32(0), np.float32(0.5)
 _MANTISSA_BITS = np.int32(23)
 _TABLE = 1024  # cells of the table that finds an angle's rank
 
@@ -155,12 +155,12 @@ def _front_back(moved: FloatArray, model: BoxedModel, front: FloatArray, back: F
                 in_front, total = _ZERO, _ZERO
                 for j in range(padded):
                     dx, dy, dz = x[j] - mx, y[j] - my, z[j] - mz
-                    exponent = max(-(dx * dx + dy * dy + dz * dz), _LOWEST)
+                    exponent = -(dx * dx + dy * dy + dz * dz)
                     whole = np.int32(exponent - _HALF)
                     f = exponent - np.float32(whole)
                     mantissa = (((_E4 * f + _E3) * f + _E2) * f + _E1) * f + _E0
                     bits = np.float32(mantissa).view(np.int32) + (whole << _MANTISSA_BITS)
-                    weight = np.int32(bits).view(np.float32)
+                    weight = np.int32(bits).view(np.float32) if exponent > -reach2 else _ZERO
                     total += weight
                     in_front += weight if dx * nx + dy * ny + dz * nz > _ZERO else _ZERO
                 front[model.order[i]] = in_front

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from ido import poses
-from ido.histograms import SceneBatch
+from ido.histograms import SceneBatch, finite
 from ido.maps import Maps
 from ido.types import DoubleArray, FloatArray
 
@@ -66,8 +66,11 @@ def register(
     """Register one scene, points (S, 3) in model units, from x (default: where it lies).
 
     Applies D_1 .. D_K, then D_K until ‖D_K h(x)‖ < ε or max_iterations updates were made in all.
+
+    Raises:
+        ValueError: coordinates are not finite.
     """
-    points = np.ascontiguousarray(points, dtype=np.float32)
+    points = finite(points)
     here: DoubleArray = np.zeros(6) if x is None else np.asarray(x, dtype=np.float64)
     track, norms = [here], []
     stop = StopReason.MAX_ITERATIONS
@@ -92,7 +95,7 @@ def register_batch(
 ) -> list[Trajectory]:
     """Register many scenes side by side on all cores; the same results as `register` one by one."""
     x = np.zeros((len(scenes), 6))
-    tracks = [[x[i]] for i in range(len(scenes))]
+    tracks = [[start.copy()] for start in x]
     norms: list[list[float]] = [[] for _ in tracks]
     stops = [StopReason.MAX_ITERATIONS] * len(tracks)
     active = np.arange(len(scenes))

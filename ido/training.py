@@ -37,7 +37,7 @@ def train(
     """Learn D_1 .. D_K.
 
     At every map, D_{k+1} = argmin (1/N) Σ ‖x* - x_k + D h(x_k)‖² + λ ‖D‖²_F, then x_{k+1} = x_k - D_{k+1} h(x_k).
-    Ctrl-C ends it after the map at work; the maps finished by then are returned (`Maps.complete` is False).
+    Ctrl-C ends it; the maps finished by then are returned (`Maps.complete` is False).
 
     Args:
         cloud: what training scenes are drawn from.
@@ -64,9 +64,9 @@ def train(
             h = _histograms(histogram, scenes, x, executor)
             D = solve(h, x - x_true, settings.ridge)
             x = x - h @ D.T
-            maps.append(D)
             errors.append(_errors(x_true - x))
             kept.append((x_true - x)[shown])
+            maps.append(D)  # last: what counts is finished whenever an interrupt comes
             if not errors[-1][0] < errors[-2][0]:
                 warnings.warn(f"the training error did not fall at map {k + 1} (Theorem 1)", stacklevel=2)
         if progress:
@@ -74,7 +74,7 @@ def train(
     except KeyboardInterrupt:
         if not maps:
             raise
-    n = len(maps) + 1  # an interrupt may fall between two appends
+    n = len(maps) + 1
     mean, deviation, translation, rotation = np.array(errors[:n]).T
     return Maps(
         maps=np.stack(maps),

@@ -108,7 +108,7 @@ def decode(code: str) -> State:
             raise StateError("the code holds no state")
         perturbation = Perturbation(**values.pop("perturbation", {}))
         return State(perturbation=perturbation, **values)
-    except (binascii.Error, zlib.error, UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (binascii.Error, zlib.error, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise StateError("the code is damaged or cut off; copy it whole") from error
     except (TypeError, ValueError) as error:
         raise StateError(f"the code does not fit this version: {error}") from error

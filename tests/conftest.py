@@ -1,0 +1,30 @@
+"""What the tests share: the shipped bunny, a small model of it, and a small training on that."""
+
+from __future__ import annotations
+
+import pytest
+
+from ido import Cloud, FrontBack, Maps, Model, TrainingSettings, shipped_cloud, train
+
+SMALL_MODEL = 80
+SMALL_TRAINING = TrainingSettings(samples=600, maps=8)
+
+
+@pytest.fixture(scope="session")
+def bunny() -> Cloud:
+    return shipped_cloud("bunny")
+
+
+@pytest.fixture(scope="session")
+def small_model(bunny: Cloud) -> Model:
+    return Model.of(bunny, SMALL_MODEL)
+
+
+@pytest.fixture(scope="session")
+def full_model(bunny: Cloud) -> Model:
+    return Model.of(bunny)
+
+
+@pytest.fixture(scope="session")
+def small_maps(bunny: Cloud, small_model: Model) -> Maps:
+    return train(bunny, FrontBack(small_model), SMALL_TRAINING)

@@ -1,0 +1,334 @@
+"""The command line, run as a user runs it: on files in the user's own units."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import open3d as o3d
+import pytest
+
+from ido import Cloud, Maps, Perturbation, cli, load_cloud, perturb, poses, shipped_maps, train
+from ido.clouds import Frame, save_cloud
+from ido.experiments import mean_and_interval, sweep
+from ido.types import FloatArray
+
+FRAME = Frame(np.array([1000.0, -200.0, 50.0]), 37.0)
+"""The user's units: the bunny is 74 units long and lies far from the origin."""
+
+TRAINING = ("--histogram", "front-back", "--samples", "500", "--maps", "6")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, bunny: Cloud) -> Path:
+    """A user's folder: the cloud, and maps trained on it."""
+    folder = tmp_path_factory.mktemp("user")
+    save_cloud(folder / "cloud.ply", FRAME.to_user_units(bunny.points))
+    assert cli.main(["train", str(folder / "cloud.ply"), "-o", str(folder / "maps.npz"), *TRAINING]) is None
+    return folder
+
+
+@pytest.fixture
+def T_scene_model(folder: Path, bunny: Cloud) -> FloatArray:
+    """The true pose of `scene.pcd`, which it writes, in the user's units: 20 degrees and a tenth of the size."""
+    p = Perturbation(noise=0.005, points=1500, outliers=0, incomplete=0, rotation=20, translation=0.1)
+    scene = perturb(bunny, p)
+    points = o3d.utility.Vector3dVector(FRAME.to_user_units(scene.points))
+    assert o3d.io.write_point_cloud(folder / "scene.pcd", o3d.geometry.PointCloud(points))
+    return np.linalg.inv(FRAME.pose_in_user_units(scene.T_model_scene))
+
+
+def fails(capfd: pytest.CaptureFixture[str], *args: str) -> str:
+    """The one line on standard error of a command that must fail with exit code 2."""
+    assert cli.main(args) == 2
+    said = capfd.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("error: ")
+    assert said.err.count("\n") == 1
+    assert "Traceback" not in said.err
+    return said.err
+
+
+def test_train_writes_maps_and_says_how_it_went(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]):
+    output = tmp_path / "again.npz"
+    assert cli.main(["train", str(folder / "cloud.ply"), "-o", str(output), *TRAINING, "--workers", "1"]) is None
+    said = capfd.readouterr().err
+    assert "6 maps trained in" in said
+    assert "Theorem 1 held" in said
+    assert f"written to {output}" in said
+    first, again = Maps.load(folder / "maps.npz"), Maps.load(output)
+    np.testing.assert_array_equal(first.maps, again.maps)  # the same seed; a process pool changes nothing
+    assert (first.settings.samples, first.settings.outlier_kind, first.histogram.name) == (500, "uniform", "front-back")
+    assert first.frame.scale == pytest.approx(37)
+
+
+def test_a_shipped_shape_brings_its_own_habits(tmp_path: Path):
+    assert cli.main(["train", "urban", "-o", str(tmp_path / "a.npz"), "--samples", "60", "--maps", "1"]) is None
+    maps = Maps.load(tmp_path / "a.npz")
+    assert maps.settings.outlier_kind == "structured"
+    assert (maps.histogram.model.normals[:, 2] >= 0).all()
+    assert maps.histogram.name == "triple-binary"
+
+
+def test_register_prints_the_pose_in_the_users_units(
+    folder: Path, T_scene_model: FloatArray, capfd: pytest.CaptureFixture[str]
+):
+    args = ("register", str(folder / "scene.pcd"), "--maps", str(folder / "maps.npz"), "--epsilon", "0.01")
+    assert cli.main(args) is None
+    said = capfd.readouterr()
+    result = json.loads(said.out)
+    assert said.err == ""
+    assert set(result) == {"T_model_scene", "iterations", "stop", "converged"}
+    assert result["converged"] is True
+    assert result["stop"] == "converged"
+    assert result["iterations"] >= 6
+    T = np.array(result["T_model_scene"])
+    scene = load_cloud(folder / "scene.pcd")
+    error = poses.transform(T, scene) - poses.transform(np.linalg.inv(T_scene_model), scene)
+    assert np.linalg.norm(error, axis=1).max() < 0.1 * FRAME.scale
+    np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-9)
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".xyz"])
+def test_register_writes_the_pose_and_the_whole_moved_cloud(
+    folder: Path, tmp_path: Path, suffix: str, capfd: pytest.CaptureFixture[str]
+):
+    pose, moved, cloud = tmp_path / "pose.json", tmp_path / f"moved{suffix}", str(folder / "cloud.ply")
+    files = ("-o", str(pose), "--moved", str(moved))
+    assert cli.main(["register", cloud, "--maps", str(folder / "maps.npz"), "--max-iterations", "7", *files]) is None
+    assert capfd.readouterr().out == ""
+    result = json.loads(pose.read_text())
+    assert result["iterations"] <= 7
+    assert result["converged"] == (result["stop"] == "converged")
+    expected = poses.transform(np.array(result["T_model_scene"]), load_cloud(cloud))
+    assert len(expected) > 30_000
+    np.testing.assert_allclose(load_cloud(moved), expected, atol=1e-6)
+
+
+def test_a_far_cloud_is_warned_about_and_found_from_the_centre(
+    folder: Path, T_scene_model: FloatArray, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+):
+    shift = np.array([9000.0, 0, -500])
+    far, maps = str(tmp_path / "far.xyz"), str(folder / "maps.npz")
+    scene = load_cloud(folder / "scene.pcd")
+    save_cloud(far, scene + shift)
+    assert cli.main(["register", far, "--maps", maps]) is None
+    said = capfd.readouterr()
+    np.testing.assert_allclose(json.loads(said.out)["T_model_scene"], np.eye(4), atol=1e-9)
+    assert said.err.startswith("warning: ")
+    assert "--start centre" in said.err
+    assert "units" in said.err
+    assert cli.main(["register", far, "--maps", maps, "--start", "centre", "--epsilon", "0.01"]) is None
+    said = capfd.readouterr()
+    assert said.err == ""
+    T = np.array(json.loads(said.out)["T_model_scene"])
+    error = poses.transform(T, scene + shift) - poses.transform(np.linalg.inv(T_scene_model), scene)
+    assert np.linalg.norm(error, axis=1).max() < 0.1 * FRAME.scale
+
+
+def test_shipped_names_work(capfd: pytest.CaptureFixture[str]):
+    assert cli.main(["register", "bunny", "--maps", "bunny-triple-binary", "--max-iterations", "60"]) is None
+    T = np.array(json.loads(capfd.readouterr().out)["T_model_scene"])
+    scale = shipped_maps("bunny", "triple-binary").frame.scale
+    np.testing.assert_allclose(T[:3, :3], np.eye(3), atol=0.02)
+    np.testing.assert_allclose(T[:3, 3], 0, atol=0.03 * scale)
+
+
+def test_sweep_tells_every_method_and_sweep(folder: Path, capfd: pytest.CaptureFixture[str]):
+    args = ("--scenes", "2", "--sweeps", "noise", "incomplete", "--epsilon", "0.05")
+    maps = [str(folder / "maps.npz"), f"{folder}/./maps.npz"]
+    assert cli.main(["sweep", str(folder / "cloud.ply"), "--maps", *maps, *args]) is None
+    table = capfd.readouterr().out
+    cloud, trained = Cloud.of(load_cloud(folder / "cloud.ply")), Maps.load(folder / "maps.npz")
+    for name in ("noise", "incomplete"):
+        results = sweep(cloud, trained, name, scenes=2, epsilon=0.05)
+        mean, half = mean_and_interval(results[..., 0])
+        row = next(line for line in table.splitlines() if name in line)
+        assert row.count(f"{mean:.3f} ± {half:.3f} ({results[..., 1].mean():.3f})") == 2
+
+
+def test_sweep_seeds_are_the_experiments_own():
+    ours, theirs = (inspect.signature(f).parameters["seed"].default for f in (cli.sweep_command, sweep))
+    assert ours == theirs
+
+
+def interrupt_at(monkeypatch: pytest.MonkeyPatch, k: int) -> None:
+    """Ctrl-C arrives when k maps are finished."""
+
+    def interrupted(*args: Any, progress: Any, **options: Any) -> Maps:
+        def pressed(done: int, error: float) -> None:
+            progress(done, error)
+            if done == k:
+                signal.raise_signal(signal.SIGINT)
+
+        return train(*args, progress=pressed, **options)
+
+    monkeypatch.setattr(cli, "train", interrupted)
+
+
+def test_an_interrupted_training_saves_the_finished_maps_and_says_so(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    interrupt_at(monkeypatch, 2)
+    output = tmp_path / "part.npz"
+    assert cli.main(["train", str(folder / "cloud.ply"), "-o", str(output), *TRAINING]) == 130
+    said = capfd.readouterr().err
+    assert "interrupted: only 2 of 6 maps were trained" in said
+    assert f"written to {output}" in said
+    maps = Maps.load(output)
+    assert not maps.complete
+    np.testing.assert_array_equal(maps.maps, Maps.load(folder / "maps.npz").maps[:2])
+
+
+def test_interrupted_before_the_first_map_nothing_is_written(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    interrupt_at(monkeypatch, 0)
+    assert cli.main(["train", str(folder / "cloud.ply"), "-o", str(tmp_path / "a.npz"), *TRAINING]) == 130
+    assert "before the first map was finished; nothing was written" in capfd.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("histogram", ["front-back", "triple-binary", "as-printed"])
+def test_a_risen_error_is_told(histogram: str):
+    maps = shipped_maps("bunny", histogram)
+    assert "Theorem 1 held: the training error fell at every map" in cli.training_summary(maps, 1.0)
+    maps.curves.mean[3:5] = maps.curves.mean[2]
+    shipped_maps.cache_clear()
+    assert "did not fall at map 3, 4" in cli.training_summary(maps, 1.0)[-1]
+
+
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ("maps", "must end in .npz"),
+        ("maps.zip", "must end in .npz"),
+        ("missing/maps.npz", "missing: no such folder"),
+        ("cloud.ply/maps.npz", "cloud.ply: no such folder"),
+        ("folder.npz", "is a folder"),
+    ],
+)
+def test_train_refuses_a_bad_output_before_it_reads_anything(
+    folder: Path, tmp_path: Path, output: str, message: str, capfd: pytest.CaptureFixture[str]
+):
+    (tmp_path / "folder.npz").mkdir()
+    (tmp_path / "cloud.ply").touch()
+    assert message in fails(capfd, "train", str(tmp_path / "missing.ply"), "-o", str(tmp_path / output))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows folders have no such permission")
+def test_train_refuses_a_folder_it_may_not_write_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr("os.access", lambda path, mode: False)  # the superuser may write anywhere
+    assert "no permission to write there" in fails(capfd, "train", "bunny", "-o", str(tmp_path / "a.npz"))
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        (("--samples", "1"), "at least 2 samples"),
+        (("--samples", str(10**15)), "not enough memory"),
+        (("--maps", "0"), "1 map"),
+        (("--ridge", "0"), "ridge must be a positive number"),
+        (("--ridge", "nan"), "ridge must be a positive number"),
+        (("--seed", "-1"), "seed must not be negative"),
+        (("--workers", "0"), "workers must be greater than 0"),
+    ],
+)
+def test_train_refuses_settings_out_of_range(
+    tmp_path: Path, setting: tuple[str, str], message: str, capfd: pytest.CaptureFixture[str]
+):
+    assert cli.main(["train", "bunny", "-o", str(tmp_path / "a.npz"), *setting]) == 2
+    said = capfd.readouterr().err
+    assert message in said
+    assert "Traceback" not in said
+    assert not (tmp_path / "a.npz").exists()
+
+
+def test_a_broken_cloud_or_maps_file_is_one_clear_line(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]):
+    cloud, maps, broken = str(folder / "cloud.ply"), str(folder / "maps.npz"), tmp_path / "[red]odd[b] name.ply"
+    broken.write_text("no\ncloud\n")
+    assert "[red]odd[b] name.ply: cannot be read as PLY" in fails(capfd, "register", str(broken), "--maps", maps)
+    assert "no such file" in fails(capfd, "register", "missing.ply", "--maps", maps)
+    assert "unknown kind of file" in fails(capfd, "register", "horse", "--maps", maps)
+    assert "no such file; make one with" in fails(capfd, "register", cloud, "--maps", "missing.npz")
+    assert "no such maps; give a .npz file or one of bunny-" in fails(capfd, "register", cloud, "--maps", "bunny-x")
+    assert "not a maps file" in fails(capfd, "register", cloud, "--maps", cloud)
+    assert "no such file" in fails(capfd, "sweep", "missing.ply", "--maps", maps)
+    save_cloud(tmp_path / "few.xyz", np.random.default_rng(0).normal(size=(20, 3)))
+    few = fails(capfd, "train", str(tmp_path / "few.xyz"), "-o", str(tmp_path / "few.npz"))
+    assert "the cloud has 20 points, a model needs at least 514" in few
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (("--epsilon", "nan"), "epsilon must be a number"),
+        (("--epsilon", "-1"), "epsilon must be a number"),
+        (("--max-iterations", "0"), "max-iterations must be at least 1"),
+        (("-o", "missing/pose.json"), "missing: no such folder"),
+        (("--moved", "moved.las"), "must end in .ply or .xyz"),
+        (("--moved", "missing/moved.ply"), "missing: no such folder"),
+    ],
+)
+def test_register_refuses_settings_out_of_range(args: tuple[str, str], message: str, capfd: pytest.CaptureFixture[str]):
+    assert message in fails(capfd, "register", "bunny", "--maps", "bunny-front-back", *args)
+
+
+def test_register_never_overwrites_its_cloud(folder: Path, capfd: pytest.CaptureFixture[str]):
+    cloud = folder / "cloud.ply"
+    before = cloud.read_bytes()
+    args = (
+        "register",
+        str(cloud),
+        "--maps",
+        str(folder / "maps.npz"),
+        "--moved",
+        f"{folder}/../{folder.name}/cloud.ply",
+    )
+    assert "this is the cloud itself" in fails(capfd, *args)
+    assert cloud.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (("--scenes", "1"), "at least 2 scenes"),
+        (("--epsilon", "inf"), "epsilon must be a number"),
+        (("--seed", "-5"), "seed must not be negative"),
+        (("--sweeps",), "name at least one"),
+    ],
+)
+def test_sweep_refuses_settings_out_of_range(args: tuple[str, ...], message: str, capfd: pytest.CaptureFixture[str]):
+    assert message in fails(capfd, "sweep", "bunny", "--maps", "bunny-front-back", *args)
+
+
+def test_sweep_refuses_maps_of_another_cloud(capfd: pytest.CaptureFixture[str]):
+    assert "trained on a cloud of another size" in fails(capfd, "sweep", "urban", "--maps", "bunny-front-back")
+
+
+@pytest.mark.parametrize(
+    "args", [[], ["fly"], ["train"], ["train", "bunny"], ["train", "bunny", "-o", "a.npz", "--histogram", "none"]]
+)
+def test_a_command_that_cannot_be_understood_exits_with_2(args: list[str], capfd: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(args)
+    assert stopped.value.code == 2
+    assert capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize("command", ["train", "register", "sweep"])
+def test_help_explains_every_option(command: str, capfd: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as stopped:
+        cli.main([command, "--help"])
+    assert stopped.value.code == 0
+    said = capfd.readouterr().out
+    for name in inspect.signature(getattr(cli, f"{command}_command")).parameters:
+        assert name == "cloud" or f"--{name.replace('_', '-')}" in said
+    assert "bunny" in said
