@@ -25,6 +25,9 @@ STRUCTURED_DEVIATION = (1 / 9, 1 / 4)
 """Range of the standard deviation of the Gaussian ball that structured outliers form (model units)."""
 
 
+LARGEST_SEED = 2**32 - 1
+
+
 @dataclass(frozen=True, slots=True)
 class Range:
     """What a perturbation may be, and what the paper trains and tests on."""
@@ -83,10 +86,10 @@ class Perturbation:
             if not (math.isfinite(value) and low <= value <= allowed.limit):
                 raise ValueError(f"{name} must lie between {low:g} and {allowed.limit:g}, not {value}")
         for name in ("points", "outliers", "seed"):
-            if not isinstance(getattr(self, name), int | np.integer):
+            if not isinstance(getattr(self, name), int | np.integer) or isinstance(getattr(self, name), bool):
                 raise ValueError(f"{name} must be a whole number, not {getattr(self, name)}")
-        if self.seed < 0:
-            raise ValueError(f"seed must not be negative, not {self.seed}")
+        if not 0 <= self.seed <= LARGEST_SEED:
+            raise ValueError(f"seed must lie between 0 and {LARGEST_SEED}, not {self.seed}")
         if self.outlier_kind not in get_args(OutlierKind):
             raise ValueError(f"outlier_kind must be one of {get_args(OutlierKind)}, not {self.outlier_kind!r}")
 

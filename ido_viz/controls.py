@@ -12,7 +12,7 @@ import numpy as np
 import viser
 
 from ido import RANGES, Perturbation
-from ido.perturbation import OutlierKind
+from ido.perturbation import LARGEST_SEED, OutlierKind
 from ido_viz import palette
 from ido_viz.library import Library
 from ido_viz.run import Run
@@ -27,7 +27,6 @@ _HINTS = {
     "rotation": "Angle in degrees about a random axis. The maps are trained on up to 90°.",
     "translation": "Distance in a random direction, in model units. The maps are trained on up to 0.3.",
 }
-LARGEST_SEED = 999_999
 _PREPARING = (
     '<div style="margin:0 8px;font-size:12px">Preparing. On the very first start the numerical loops are '
     "compiled, which takes about half a minute.</div>"

@@ -17,7 +17,7 @@ import viser
 
 from ido import Perturbation
 from ido_viz.canvas import Canvas
-from ido_viz.controls import LARGEST_SEED, Actions, Controls
+from ido_viz.controls import Actions, Controls
 from ido_viz.library import Library
 from ido_viz.panels import Panels
 from ido_viz.run import Run, compute, inputs
@@ -25,6 +25,8 @@ from ido_viz.state import LAST, State, StateError, decode
 
 FRAME = 1 / 30
 """Seconds between frames while playing."""
+
+_LARGEST_NEW_SEED = 9_999  # short enough to be told across a room
 
 _log = logging.getLogger(__name__)
 
@@ -90,7 +92,7 @@ class Session:
         self._change(lambda state: self._at(replace(state, playing=False), iteration))
 
     def _new_seed(self) -> None:
-        seed = random.randint(0, LARGEST_SEED)
+        seed = random.randint(0, _LARGEST_NEW_SEED)
         self._change(lambda s: replace(s, perturbation=replace(s.perturbation, seed=seed)), show=True)
 
     def _paper_defaults(self) -> None:

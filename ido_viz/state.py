@@ -64,6 +64,10 @@ class State:
     dark: bool = False
 
     def __post_init__(self) -> None:
+        for f in fields(self):
+            kind = Perturbation if f.name == "perturbation" else type(f.default)
+            if type(getattr(self, f.name)) is not kind and not (kind is float and type(getattr(self, f.name)) is int):
+                raise StateError(f"{f.name} must be of the kind {kind.__name__}, not {getattr(self, f.name)!r}")
         if self.order not in get_args(BinOrder):
             raise StateError(f"unknown order of bins {self.order!r}; known: {', '.join(get_args(BinOrder))}")
         limits = {
@@ -102,13 +106,17 @@ def decode(code: str) -> State:
     text = code.removeprefix(_CODE)
     try:
         packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
-        unpacked = zlib.decompressobj().decompress(packed, 10_000)
-        values = json.loads(unpacked)
+        unpacking = zlib.decompressobj()
+        values = json.loads(unpacking.decompress(packed, 10_000))
+        if not unpacking.eof:
+            raise StateError("the code is damaged or cut off; copy it whole")
         if not isinstance(values, dict):
             raise StateError("the code holds no state")
         perturbation = Perturbation(**values.pop("perturbation", {}))
         return State(perturbation=perturbation, **values)
+    except StateError:
+        raise
     except (binascii.Error, zlib.error, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise StateError("the code is damaged or cut off; copy it whole") from error
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise StateError(f"the code does not fit this version: {error}") from error

@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from ido import RANGES, Cloud, Perturbation, Scene, perturb, poses
-from ido.perturbation import OUTLIER_REACH, STRUCTURED_DEVIATION
+from ido.perturbation import LARGEST_SEED, OUTLIER_REACH, STRUCTURED_DEVIATION
 from ido.types import FloatArray
 
 CLEAN = Perturbation(noise=0, outliers=0, incomplete=0)
@@ -40,7 +40,7 @@ perturbations = st.builds(
     rotation=st.floats(0, 180),
     translation=st.floats(0, 1),
     outlier_kind=st.sampled_from(["uniform", "structured"]),
-    seed=st.integers(0, 2**40),
+    seed=st.integers(0, LARGEST_SEED),
 )
 
 
@@ -205,7 +205,7 @@ def test_structured_outliers_are_one_ball(bunny: Cloud, seed: int):
         ({"points": 400.0}, "points must be a whole number"),
         ({"outliers": 0.5}, "outliers must be a whole number"),
         ({"seed": 1.5}, "seed must be a whole number"),
-        ({"seed": -1}, "seed must not be negative"),
+        ({"seed": -1}, "seed must lie between 0 and 4294967295"),
         ({"outlier_kind": "spiral"}, "outlier_kind must be one of"),
     ],
 )
