@@ -17,7 +17,7 @@ _SHOWN_WIDTH = 5.6  # of both panes, and their height: the camera steps back unt
 _SHOWN_HEIGHT = 3.6
 _PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
 _NO_TRAIL = np.zeros((1, 2, 3), dtype=np.float32)
-_VIEW_DIRECTION = np.array([0.0, -1.0, 0.2])
+_VIEW_DIRECTION = np.array([0.0, -1.0, 0.35])
 
 
 class Canvas:
