@@ -36,7 +36,7 @@ blue and the other in red.
 
 def _chart_height(window: int) -> int:
     """Height at which two histograms fill the upper half of a window."""
-    return min(max(round(0.29 * window) - 105, 104), 200)
+    return min(max(round(0.29 * window) - 112, 104), 200)
 
 
 class Panels:
