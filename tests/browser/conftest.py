@@ -1,0 +1,90 @@
+"""One browser for all tests, one page for each, and a page's own errors fail its test."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from explorer import Explorer
+from playwright.sync_api import Browser, ViewportSize, sync_playwright
+
+from ido_viz.app import App
+from ido_viz.state import LAST, State
+
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-accelerated-2d-canvas",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+LAPTOP = (1440, 900)
+AT_THE_END = State(playing=False, iteration=LAST)
+
+OpenExplorer = Callable[..., Explorer]
+
+
+def chromium() -> str | None:
+    """Where Chromium is, if it is anywhere."""
+    candidates = (os.environ.get("CHROMIUM"), "/usr/bin/chromium", shutil.which("chromium"))
+    return next((path for path in candidates if path and Path(path).exists()), None)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    executable = chromium()
+    if executable is None:
+        pytest.skip("no Chromium: install it, or give its path in the environment variable CHROMIUM")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=executable, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def app_for() -> Iterator[Callable[[State], App]]:
+    """The running app whose tabs begin with a state."""
+    apps: dict[State, App] = {}
+
+    def started(state: State) -> App:
+        if state not in apps:
+            apps[state] = App(state, port=0)
+        return apps[state]
+
+    yield started
+    for app in apps.values():
+        app.stop()
+
+
+@pytest.fixture
+def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
+    """Opens pages that begin with a state, by default at the end of a registration and not playing."""
+    opened: list[Explorer] = []
+
+    def open_page(state: State = AT_THE_END, size: tuple[int, int] = LAPTOP, *, wait: bool = True) -> Explorer:
+        viewport = ViewportSize(width=size[0], height=size[1])
+        explorer = Explorer(app_for(state), browser.new_page(viewport=viewport))
+        opened.append(explorer)
+        if wait:
+            explorer.open()
+        return explorer
+
+    yield open_page
+    errors = [error for explorer in opened for error in explorer.errors]
+    for explorer in opened:
+        explorer.page.close()
+    assert errors == []
+
+
+@pytest.fixture
+def explorer(open_explorer: OpenExplorer) -> Explorer:
+    """A page at the end of a registration, not playing."""
+    return open_explorer()

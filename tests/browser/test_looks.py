@@ -1,0 +1,244 @@
+"""What the canvas, the charts, the heatmaps and the page as a whole look like."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from explorer import Explorer, box_of, like
+from PIL import Image
+
+from ido_viz import palette
+from ido_viz.state import LAST, State
+
+OpenExplorer = Callable[..., Explorer]
+
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+AT_THE_START = State(playing=False, iteration=0)
+DESKTOPS = [(1280, 720), (1440, 900), (1920, 1080)]
+PHONE = (390, 844)
+VISIBLE = 150  # pixels
+SLIP = 2.0  # pixels
+
+
+@pytest.fixture
+def at_the_start(open_explorer: OpenExplorer) -> Explorer:
+    return open_explorer(AT_THE_START)
+
+
+def see_both_panes(explorer: Explorer) -> None:
+    """Wait until each method's colour is seen in its own half."""
+
+    def seen() -> bool:
+        left, right = explorer.canvas_halves()
+        return like(left, palette.METHODS[0]).sum() > VISIBLE and like(right, palette.METHODS[1]).sum() > VISIBLE
+
+    explorer.wait_until("both panes on the canvas", seen)
+
+
+def test_each_pane_shows_its_method_s_cloud_and_what_both_share(explorer: Explorer):
+    see_both_panes(explorer)
+    left, right = explorer.canvas_halves()
+    assert like(left, palette.METHODS[1]).sum() == 0
+    assert like(right, palette.METHODS[0]).sum() == 0
+    for half in (left, right):
+        assert like(half, palette.OUTLIER).sum() > VISIBLE
+        assert like(half, palette.GHOST).sum() > VISIBLE / 3
+        grey = (np.ptp(half, axis=2) < 8) & (half.max(axis=2) < 160)
+        assert grey.sum() > VISIBLE
+
+
+def test_what_is_switched_off_leaves_the_canvas(explorer: Explorer):
+    see_both_panes(explorer)
+
+    def pixels_of(color: palette.Color) -> int:
+        return sum(int(like(half, color).sum()) for half in explorer.canvas_halves())
+
+    explorer.tick("Where it belongs")
+    explorer.wait_until("the ghosts gone", lambda: pixels_of(palette.GHOST) < 10)
+    explorer.drag("Outliers", -0.2)
+    explorer.wait_until("the outliers gone", lambda: pixels_of(palette.OUTLIER) < 10)
+    see_both_panes(explorer)
+
+
+def test_stepping_moves_both_clouds(at_the_start: Explorer):
+    see_both_panes(at_the_start)
+    before = at_the_start.canvas_halves()
+    for _ in range(3):
+        at_the_start.press("Next (N)")
+        at_the_start.pause()
+
+    def moved() -> bool:
+        after = at_the_start.canvas_halves()
+        changed = [like(a, c) ^ like(b, c) for a, b, c in zip(before, after, palette.METHODS, strict=True)]
+        return all(pixels.sum() > VISIBLE for pixels in changed)
+
+    at_the_start.wait_until("both clouds elsewhere", moved)
+
+
+def test_dragging_the_canvas_turns_the_view(explorer: Explorer):
+    see_both_panes(explorer)
+    before = explorer.canvas_halves()[0]
+    box = box_of(explorer.canvas())
+    explorer.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    explorer.page.mouse.down()
+    explorer.page.mouse.move(box["x"] + box["width"] / 2 + 60, box["y"] + box["height"] / 2 + 20, steps=5)
+    explorer.page.mouse.up()
+    color = palette.METHODS[0]
+    explorer.wait_until(
+        "another view",
+        lambda: (like(before, color) ^ like(explorer.canvas_halves()[0], color)).sum() > VISIBLE,
+    )
+
+
+def test_histograms_change_with_the_iteration(at_the_start: Explorer):
+    explorer = at_the_start
+    assert explorer.charts().count() == 2
+    explorer.wait_until("both histograms drawn", lambda: min(explorer.chart_ink(i) for i in range(2)) > 500)
+    seen = [{explorer.chart_picture(i)} for i in range(2)]
+    for _ in range(2):
+        explorer.press("Next (N)")
+        for i, pictures in enumerate(seen):
+            explorer.wait_until(
+                "another histogram", lambda i=i, pictures=pictures: explorer.chart_picture(i) not in pictures
+            )
+            pictures.add(explorer.chart_picture(i))
+        explorer.pause()
+
+
+@pytest.mark.parametrize("change", ["order", "difference"])
+def test_histograms_can_be_drawn_otherwise(explorer: Explorer, change: str):
+    explorer.wait_until("both histograms drawn", lambda: min(explorer.chart_ink(i) for i in range(2)) > 500)
+    before = [explorer.chart_picture(i) for i in range(2)]
+    if change == "order":
+        explorer.choose("Order bins by", "azimuth")
+    else:
+        explorer.tick("Histogram minus reference")
+        explorer.page.get_by_text("minus the reference line").first.wait_for()
+    for i in range(2):
+        explorer.wait_until(
+            "another histogram",
+            lambda i=i: (
+                explorer.charts().count() == 2
+                and explorer.chart_ink(i) > 500
+                and explorer.chart_picture(i) != before[i]
+            ),
+        )
+
+
+def test_heatmaps_follow_the_iteration_until_one_is_pinned(at_the_start: Explorer):
+    explorer = at_the_start
+    first = explorer.heatmap_pictures()
+    assert len(set(first)) == 2
+    explorer.page.get_by_text("map 1 of 30").first.wait_for()
+    explorer.press("Next (N)")
+    explorer.page.get_by_text("map 2 of 30").first.wait_for()
+    second = explorer.heatmap_pictures()
+    assert not set(first) & set(second)
+    explorer.tick("Maps follow the iteration")
+    explorer.page.get_by_text("(pinned)").first.wait_for()
+    explorer.drag("Map", 1.0)
+    explorer.page.get_by_text("map 30 of 30").first.wait_for()
+    pinned = explorer.heatmap_pictures()
+    assert not set(pinned) & {*first, *second}
+    explorer.press("Next (N)")
+    explorer.wait_until("the next iteration", lambda: explorer.iteration() == 2)
+    explorer.expect_to_agree()
+    assert explorer.heatmap_pictures() == pinned
+    explorer.tick("Maps follow the iteration")
+    explorer.page.get_by_text("map 3 of 30").first.wait_for()
+    assert explorer.heatmap_pictures() != pinned
+
+
+def test_every_tab_of_the_charts_shows_something(explorer: Explorer):
+    explorer.open_tab("Errors")
+    explorer.wait_until("histograms and error curves", lambda: explorer.charts().count() == 2 + 3)
+    for number in range(5):
+        explorer.wait_until(f"chart {number} drawn", lambda number=number: explorer.chart_ink(number) > 300)
+    explorer.open_tab("Maps 1, 15, 30")
+    explorer.wait_until("six heatmaps", lambda: len(set(explorer.heatmap_pictures())) == 6)
+    explorer.open_tab("Training")
+    explorer.wait_until("training curves", lambda: explorer.charts().count() == 2 + 4)
+    for number in range(6):
+        explorer.wait_until(f"chart {number} drawn", lambda number=number: explorer.chart_ink(number) > 300)
+    explorer.open_tab("Maps")
+    explorer.wait_until("two heatmaps", lambda: explorer.heatmaps().count() == 2)
+
+
+def test_error_curves_mark_the_iteration(at_the_start: Explorer):
+    explorer = at_the_start
+    explorer.open_tab("Errors")
+    explorer.wait_until("error curves", lambda: explorer.charts().count() == 5 and explorer.chart_ink(4) > 300)
+    before = [explorer.chart_picture(number) for number in range(2, 5)]
+    explorer.press("Last")
+    for number, picture in zip(range(2, 5), before, strict=True):
+        explorer.wait_until(
+            "the mark elsewhere", lambda number=number, picture=picture: explorer.chart_picture(number) != picture
+        )
+
+
+def brightness(explorer: Explorer) -> float:
+    """Median brightness of the whole page."""
+    return float(np.median(np.asarray(Image.open(io.BytesIO(explorer.page.screenshot())).convert("L"))))
+
+
+def test_dark_and_light_again(explorer: Explorer):
+    see_both_panes(explorer)
+    assert brightness(explorer) > 200
+    explorer.tick("Dark")
+    explorer.wait_until("a dark page", lambda: brightness(explorer) < 60)
+    see_both_panes(explorer)
+    explorer.wait_until("histograms drawn", lambda: min(explorer.chart_ink(i) for i in range(2)) > 500)
+    explorer.tick("Dark")
+    explorer.wait_until("a light page", lambda: brightness(explorer) > 200)
+
+
+@pytest.mark.parametrize("size", DESKTOPS, ids=lambda size: f"{size[0]}x{size[1]}")
+def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplorer, size: tuple[int, int]):
+    explorer = open_explorer(AT_THE_START, size)
+    see_both_panes(explorer)
+    width, height = size
+    canvas = box_of(explorer.canvas())
+    left_edge, right_edge = canvas["x"], canvas["x"] + canvas["width"]
+    assert canvas["width"] > 0.35 * width
+    assert canvas["height"] > 0.9 * height
+    for name in ("Play (P)", "First (R)", "Back (B)", "Next (N)", "Last", "New seed", "Paper defaults"):
+        box = box_of(explorer.page.get_by_role("button", name=name, exact=True))
+        assert box["x"] >= 0, name
+        assert box["x"] + box["width"] <= left_edge + SLIP, name
+    for table in (explorer.page.locator("table"), explorer.row("Rotation"), explorer.row("Most iterations")):
+        box = box_of(table)
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= left_edge + SLIP
+    right_side = [explorer.charts().nth(i) for i in range(2)] + [explorer.heatmaps().nth(i) for i in range(2)]
+    for item in right_side:
+        box = box_of(item)
+        assert box["x"] >= right_edge - SLIP
+        assert box["x"] + box["width"] <= width + SLIP
+        assert box["width"] > 250
+        assert box["height"] > 50
+        assert box["y"] + box["height"] <= height, "below the window's edge"
+    maps_panel = box_of(explorer.page.get_by_role("tab", name="Maps", exact=True))
+    lower_chart = box_of(explorer.charts().nth(1))
+    assert lower_chart["y"] + lower_chart["height"] <= maps_panel["y"], "a histogram is cut off"
+    assert explorer.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    for number in range(2):
+        explorer.wait_until("a histogram", lambda number=number: explorer.chart_ink(number) > 500)
+
+
+def test_on_a_phone_the_panes_are_seen_and_play_works(open_explorer: OpenExplorer):
+    explorer = open_explorer(State(playing=False, iteration=LAST, speed=60), PHONE)
+    see_both_panes(explorer)
+    play = explorer.page.get_by_role("button", name="Play (P)", exact=True)
+    box = box_of(play)
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] <= PHONE[0]
+    assert 0 <= box["y"] <= PHONE[1] - box["height"]
+    assert explorer.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    explorer.press("First (R)")
+    explorer.wait_until("the start", lambda: explorer.iteration() == 0)
+    explorer.pause()
+    explorer.press("Play (P)")
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())

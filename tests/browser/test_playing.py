@@ -1,0 +1,130 @@
+"""Playing, stepping and scrubbing through a registration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from explorer import Explorer
+
+from ido_viz.state import LAST, State
+
+OpenExplorer = Callable[..., Explorer]
+
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+AT_THE_START = State(playing=False, iteration=0)
+
+
+@pytest.fixture
+def at_the_start(open_explorer: OpenExplorer) -> Explorer:
+    return open_explorer(AT_THE_START)
+
+
+def test_a_new_page_plays_by_itself_to_the_end(open_explorer: OpenExplorer):
+    explorer = open_explorer(State())
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+    explorer.wait_until("the end of playing", lambda: not explorer.is_playing())
+    explorer.expect_to_agree()
+
+
+@pytest.mark.parametrize("how", ["by the button", "by the key P"])
+def test_play_moves_the_iteration_pauses_and_ends(at_the_start: Explorer, how: str):
+    explorer = at_the_start
+
+    def toggle() -> None:
+        if how == "by the key P":
+            explorer.type_key("p")
+        else:
+            explorer.press("Pause (P)" if explorer.is_playing() else "Play (P)")
+
+    explorer.drag("Speed", 0.0)
+    toggle()
+    explorer.wait_until("two iterations", lambda: explorer.iteration() >= 2)
+    assert explorer.is_playing()
+    toggle()
+    explorer.wait_until("the pause", lambda: not explorer.is_playing())
+    paused = explorer.expect_to_agree()
+    assert 2 <= paused.iteration < explorer.last_iteration()
+    explorer.drag("Speed", 1.0)
+    toggle()
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+    explorer.wait_until("the end of playing", lambda: not explorer.is_playing())
+    explorer.expect_to_agree()
+
+
+def test_play_at_the_end_starts_again(explorer: Explorer):
+    assert explorer.iteration() == explorer.last_iteration()
+    explorer.drag("Speed", 0.0)
+    explorer.press("Play (P)")
+    explorer.wait_until("the beginning", lambda: explorer.iteration() < 5)
+    assert explorer.is_playing()
+
+
+def test_keys_step_and_restart(at_the_start: Explorer):
+    explorer = at_the_start
+    for key, expected in (("n", 1), ("n", 2), ("n", 3), ("b", 2), ("r", 0), ("N", 1)):
+        explorer.type_key(key)
+        explorer.wait_until(
+            f"iteration {expected} after {key}", lambda expected=expected: explorer.iteration() == expected
+        )
+        explorer.pause()
+    explorer.expect_to_agree()
+
+
+def test_step_buttons_step_and_stay_within_the_run(at_the_start: Explorer):
+    explorer = at_the_start
+    last = explorer.last_iteration()
+    for button, expected in (
+        ("Back (B)", 0),
+        ("Next (N)", 1),
+        ("Next (N)", 2),
+        ("Back (B)", 1),
+        ("Last", last),
+        ("Next (N)", last),
+        ("Back (B)", last - 1),
+        ("First (R)", 0),
+        ("Back (B)", 0),
+    ):
+        explorer.press(button)
+        explorer.wait_until(
+            f"iteration {expected} after {button}", lambda expected=expected: explorer.iteration() == expected
+        )
+        assert explorer.expect_to_agree().iteration == (LAST if expected == last else expected)
+
+
+def test_many_quick_presses_all_count(at_the_start: Explorer):
+    for _ in range(6):
+        at_the_start.press("Next (N)")
+    for _ in range(4):
+        at_the_start.type_key("n")
+    at_the_start.wait_until("iteration 10", lambda: at_the_start.iteration() == 10)
+    assert at_the_start.expect_to_agree().iteration == 10
+
+
+def test_scrubbing_shows_the_iteration_under_the_mouse(at_the_start: Explorer):
+    explorer = at_the_start
+    value = explorer.drag("Iteration", 0.9, 0.5)
+    assert 0 < value < explorer.last_iteration()
+    explorer.wait_until(f"iteration {value}", lambda: explorer.iteration() == value)
+    assert explorer.expect_to_agree().iteration == value
+    assert explorer.slider_value("Iteration") == value
+    explorer.drag("Iteration", 1.2)
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+
+
+def test_the_slider_follows_the_playing(at_the_start: Explorer):
+    explorer = at_the_start
+    explorer.press("Play (P)")
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+    explorer.wait_until(
+        "the slider at the end", lambda: explorer.slider_value("Iteration") == explorer.last_iteration()
+    )
+
+
+def test_letters_typed_into_a_field_are_no_commands(at_the_start: Explorer):
+    field = at_the_start.field("Seed")
+    field.click()
+    field.press_sequentially("nnnp")
+    at_the_start.pause(300)
+    assert at_the_start.iteration() == 0
+    assert not at_the_start.is_playing()

@@ -1,0 +1,143 @@
+"""Changing the scene, the methods and when they stop."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from explorer import Explorer, numbers_of
+
+from ido import Perturbation
+from ido.perturbation import LARGEST_SEED
+from ido_viz.library import shipped_library
+from ido_viz.state import LONGEST_RUN
+
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+
+SLIDERS = {
+    "Noise": 0.2,
+    "Points": 0.25,
+    "Outliers": 0.9,
+    "Incomplete": 0.15,
+    "Rotation": 0.6,
+    "Translation": 0.75,
+}
+"""The sliders, and to which share of its track each is dragged."""
+
+
+def test_each_slider_is_followed_and_its_last_value_shown(explorer: Explorer):
+    for label, share in SLIDERS.items():
+        before = explorer.numbers()
+        value = explorer.drag(label, share)
+        explorer.wait_until(
+            f"{label} {value:g}", lambda label=label, value=value: value_in_state(explorer, label) == value
+        )
+        explorer.expect_to_agree()
+        assert explorer.slider_value(label) == value
+        assert float(explorer.field(label).input_value()) == value
+        assert explorer.numbers() != before
+    default, end = Perturbation(), explorer.state().perturbation
+    assert all(getattr(end, label.lower()) != getattr(default, label.lower()) for label in SLIDERS)
+
+
+def value_in_state(explorer: Explorer, label: str) -> float:
+    return getattr(explorer.state().perturbation, label.lower())
+
+
+def test_a_wild_drag_ends_at_its_last_value(explorer: Explorer):
+    value = explorer.drag("Rotation", 0.9, 0.0, 1.0, 0.1, 0.7, 0.3, steps=12)
+    assert value == pytest.approx(0.3 * 180, abs=4)
+    explorer.wait_until(f"rotation {value:g}", lambda: explorer.state().perturbation.rotation == value)
+    assert explorer.expect_to_agree().perturbation.rotation == value
+    assert explorer.slider_value("Rotation") == value
+
+
+def test_numbers_change_while_a_slider_is_held(explorer: Explorer):
+    thumb = explorer.row("Rotation").get_by_role("slider")
+    thumb.scroll_into_view_if_needed()
+    box = thumb.bounding_box()
+    assert box is not None
+    explorer.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    explorer.page.mouse.down()
+    seen = [explorer.numbers()]
+    for step in range(1, 4):
+        explorer.page.mouse.move(box["x"] + 10 * step, box["y"] + box["height"] / 2, steps=3)
+        explorer.wait_until("other numbers", lambda: explorer.numbers() not in seen)
+        seen.append(explorer.numbers())
+    explorer.page.mouse.up()
+
+
+def test_a_slider_moves_by_the_arrow_keys(explorer: Explorer):
+    explorer.row("Outliers").get_by_role("slider").focus()
+    for _ in range(3):
+        explorer.page.keyboard.press("ArrowRight")
+        explorer.pause()
+    explorer.wait_until("30 outliers more", lambda: explorer.state().perturbation.outliers == 330)
+    explorer.expect_to_agree()
+
+
+def test_new_seed_makes_another_scene_and_shows_its_seed(explorer: Explorer):
+    before = explorer.state()
+    explorer.press("New seed")
+    explorer.wait_until("another seed", lambda: explorer.state().perturbation.seed != before.perturbation.seed)
+    after = explorer.expect_to_agree()
+    assert replace(after, perturbation=before.perturbation) == before
+    assert explorer.field("Seed").input_value() == str(after.perturbation.seed)
+    assert numbers_of(after) != numbers_of(before)
+
+
+def test_a_typed_seed_is_used(explorer: Explorer):
+    explorer.type_into("Seed", "1234")
+    explorer.wait_until("the seed", lambda: explorer.state().perturbation.seed == 1234)
+    explorer.expect_to_agree()
+
+
+def test_paper_defaults_undo_every_slider(explorer: Explorer):
+    for label, share in SLIDERS.items():
+        explorer.drag(label, share, steps=2)
+    explorer.choose("Outlier kind", "structured")
+    explorer.wait_until("structured outliers", lambda: explorer.state().perturbation.outlier_kind == "structured")
+    explorer.press("Paper defaults")
+    explorer.wait_until("the defaults", lambda: explorer.state().perturbation == Perturbation())
+    explorer.expect_to_agree()
+    for label in SLIDERS:
+        assert explorer.slider_value(label) == pytest.approx(getattr(Perturbation(), label.lower()))
+
+
+def test_another_shape_and_back(explorer: Explorer):
+    library = shipped_library()
+    before = explorer.state()
+    explorer.choose("Shape", "urban")
+    explorer.wait_until("the urban scan", lambda: explorer.state().shape == "urban")
+    assert explorer.expect_to_agree() == library.at_shape(before, "urban")
+    assert explorer.options("Left pane") == list(library.methods("urban"))
+    explorer.choose("Shape", "bunny")
+    explorer.wait_until("the bunny", lambda: explorer.state().shape == "bunny")
+    assert explorer.expect_to_agree() == before
+    assert explorer.options("Left pane") == list(library.methods("bunny"))
+
+
+def test_any_method_in_any_pane(explorer: Explorer):
+    for pane, method in (("Left pane", "Improved DO (as printed)"), ("Right pane", "DO")):
+        explorer.choose(pane, method)
+        explorer.wait_until(f"{method} shown", lambda method=method: method in explorer.methods())
+        explorer.expect_to_agree()
+    assert explorer.methods() == ("Improved DO (as printed)", "DO")
+
+
+def test_absurd_input_does_no_harm(explorer: Explorer):
+    explorer.tick("Maps follow the iteration")
+    for label, low, high in (
+        ("Stop below ε", 1e-5, 0.1),
+        ("Most iterations", 1, LONGEST_RUN),
+        ("Seed", 0, LARGEST_SEED),
+        ("Speed", 1, 60),
+        ("Map", 1, 30),
+        ("Points", 100, 4000),
+    ):
+        for text in ("0", "-5", "1000000000", "1e9", "abc", "", "99999999999999999999", "0.0000001"):
+            explorer.type_into(label, text)
+            left = explorer.field(label).input_value()
+            assert left == "" or low <= float(left) <= high, f"{label} {left} after {text!r}"
+        explorer.expect_alive()
+    explorer.expect_to_agree()

@@ -1,0 +1,76 @@
+"""Codes: one page's state in another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from explorer import Explorer
+
+from ido import Perturbation
+from ido_viz.state import State, encode
+
+OpenExplorer = Callable[..., Explorer]
+
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+ELSEWHERE = State(
+    perturbation=Perturbation(noise=0.01, points=900, outliers=120, incomplete=0.1, rotation=75.0, seed=8),
+    left="Improved DO",
+    right="DO",
+    iteration=6,
+    playing=False,
+    order="elevation",
+    pinned_map=15,
+)
+
+
+def test_a_pasted_code_gives_exactly_its_page(explorer: Explorer):
+    explorer.paste(encode(ELSEWHERE))
+    explorer.expect_numbers(ELSEWHERE)
+    assert explorer.expect_to_agree() == ELSEWHERE
+    assert explorer.methods() == ("Improved DO", "DO")
+    assert explorer.slider_value("Rotation") == 75
+    assert explorer.slider_value("Points") == 900
+    assert explorer.field("Seed").input_value() == "8"
+    assert explorer.field("Order bins by").input_value() == "elevation"
+
+
+def test_a_pasted_page_can_be_used_on(explorer: Explorer):
+    explorer.paste(encode(ELSEWHERE))
+    explorer.expect_numbers(ELSEWHERE)
+    explorer.press("Next (N)")
+    explorer.wait_until("the next iteration", lambda: explorer.iteration() == 7)
+    value = explorer.drag("Noise", 0.7)
+    expected = replace(ELSEWHERE, iteration=7, perturbation=replace(ELSEWHERE.perturbation, noise=value))
+    explorer.expect_numbers(expected)
+    assert explorer.expect_to_agree() == expected
+
+
+@pytest.mark.parametrize(
+    "code",
+    [encode(ELSEWHERE)[:-6], encode(State(left="ICP")), "<img src=x onerror=alert(1)>"],
+    ids=["cut", "unknown method", "html"],
+)
+def test_a_broken_code_is_refused_with_a_message_and_the_page_goes_on(explorer: Explorer, code: str):
+    before = explorer.state()
+    explorer.paste(code)
+    explorer.wait_until("a message", explorer.notifications)
+    (message,) = explorer.notifications()
+    assert "This code cannot be used" in message
+    explorer.press("Back (B)")
+    explorer.wait_until("the iteration before", lambda: explorer.iteration() == explorer.last_iteration() - 1)
+    explorer.wait_until("the page's own code again", lambda: explorer.code() != code)
+    after = explorer.expect_to_agree()
+    assert replace(after, iteration=before.iteration) == before
+
+
+def test_one_tab_s_code_gives_the_same_page_in_another(open_explorer: OpenExplorer):
+    one, other = open_explorer(), open_explorer()
+    one.drag("Rotation", 0.5)
+    one.press("New seed")
+    one.wait_until("another seed", lambda: one.state().perturbation.seed != 0)
+    shared = one.expect_to_agree()
+    other.paste(one.code())
+    other.expect_numbers(shared)
+    assert other.numbers() == one.numbers()
