@@ -1,8 +1,9 @@
 """The compiled loops. Each has a plain NumPy definition in `ido.histograms` that the tests hold it against.
 
 Front / back weighs every scene point against every model point, and dominates everything else. The weight
-exp(-d²/σ²) is below 1e-6, and counts as nothing, for nine pairs out of ten. So the model points are put into small boxes, the scene points
-within reach of a box are gathered, first for a group of boxes and then for each, and only those are weighed.
+exp(-d²/σ²) is below 1e-6, and counts as nothing, for nine pairs out of ten. So the model points are put into small
+boxes, the scene points within reach of a box are gathered, first for a group of boxes and then for each, and only those
+are weighed.
 Coordinates are scaled so that the weight is 2^-d², computed as a quartic times a power of two put together from bits.
 """
 
