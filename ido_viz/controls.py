@@ -186,10 +186,10 @@ class Controls:
             right=value["right"] if value["right"] in known else known[-1],
             epsilon=_within(value["epsilon"], 1e-5, 0.1, State().epsilon),
             max_iterations=_within(value["max_iterations"], 1, LONGEST_RUN, State().max_iterations),
-            speed=value["speed"],
+            speed=_within(value["speed"], 1, 60, State().speed),
             order=value["order"],
             difference=value["difference"],
-            pinned_map=0 if value["follow"] else value["pinned_map"],
+            pinned_map=0 if value["follow"] else _within(value["pinned_map"], 1, 30, 1),
             ghost=value["ghost"],
             dark=value["dark"],
         )

@@ -86,7 +86,7 @@ class Session:
         self._change(toggled)
 
     def _step(self, by: int) -> None:
-        self._change(lambda state: self._at(replace(state, playing=False), self._shown(state) + by))
+        self._change(lambda state: self._at(replace(state, playing=False), max(0, self._shown(state) + by)))
 
     def _jump(self, iteration: int) -> None:
         self._change(lambda state: self._at(replace(state, playing=False), iteration))
@@ -146,8 +146,9 @@ class Session:
                     self._awake.wait(None if wait is None else max(wait, 0.0))
                 if self._closed:
                     return
-                state, show = self._take()
             try:
+                with self._awake:
+                    state, show = self._take()
                 self._frame(state, show)
             except StateError as error:
                 self._tell("This cannot be shown", str(error))
@@ -157,14 +158,14 @@ class Session:
 
     def _take(self) -> tuple[State, bool]:
         """The newest state, with the controls read and the playing moved on; called with the lock held."""
-        show, state = self._show_state, self._state
-        if self._read_controls and not show:
+        show, state, read = self._show_state, self._state, self._read_controls
+        self._read_controls = self._show_state = self._dirty = False
+        if read and not show:
             before = state
             state, usable = self._controls.read(state)
             if state.shape != before.shape:
                 state = self._library.at_shape(state, state.shape)
             show = not usable or state.shape != before.shape
-        self._read_controls = self._show_state = self._dirty = False
         now = time.perf_counter()
         if state.playing and self._run is not None:
             self._position += (now - self._ticked) * state.speed

@@ -26,7 +26,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-LAPTOP = (1440, 900)
+SMALL = (1200, 700)  # software rendering takes its time for each pixel
 AT_THE_END = State(playing=False, iteration=LAST)
 
 OpenExplorer = Callable[..., Explorer]
@@ -69,7 +69,7 @@ def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator
     """Opens pages that begin with a state, by default at the end of a registration and not playing."""
     opened: list[Explorer] = []
 
-    def open_page(state: State = AT_THE_END, size: tuple[int, int] = LAPTOP, *, wait: bool = True) -> Explorer:
+    def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
         viewport = ViewportSize(width=size[0], height=size[1])
         explorer = Explorer(app_for(state), browser.new_page(viewport=viewport))
         opened.append(explorer)

@@ -149,6 +149,12 @@ class Explorer:
         texts = self.page.get_by_role("alert").all_inner_texts()
         return [text for text in texts if "Software WebGL" not in text]
 
+    def close_notifications(self) -> None:
+        """Close all messages."""
+        while self.page.get_by_role("alert").count():
+            self.page.get_by_role("alert").first.get_by_role("button").click()
+            self.pause(300)  # they fade away
+
     def is_playing(self) -> bool:
         """Whether the play button offers to pause."""
         return self.page.get_by_role("button", name="Pause (P)").count() == 1
@@ -176,7 +182,7 @@ class Explorer:
         """Where a slider's thumb is."""
         return float(self.row(label).get_by_role("slider").get_attribute("aria-valuenow") or "nan")
 
-    def drag(self, label: str, *shares: float, steps: int = 20) -> float:
+    def drag(self, label: str, *shares: float, steps: int = 12) -> float:
         """Drag a slider's thumb with the mouse to shares of its track, one after another; where it ends."""
         thumb = self.row(label).get_by_role("slider")
         thumb.scroll_into_view_if_needed()
