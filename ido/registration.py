@@ -40,6 +40,8 @@ class Trajectory:
     x: FloatArray
     update_norms: FloatArray
     stop: StopReason
+    last_norm: float
+    """‖Δx‖ of the update that was not made any more; NaN at the iteration limit."""
 
     @property
     def iterations(self) -> int:
@@ -73,21 +75,21 @@ def register(
     points = finite(points)
     here: DoubleArray = np.zeros(6) if x is None else np.asarray(x, dtype=np.float64)
     track, norms = [here], []
-    stop = StopReason.MAX_ITERATIONS
+    stop, last_norm = StopReason.MAX_ITERATIONS, np.nan
     while len(norms) < max_iterations:
         k = min(len(norms), len(maps.maps) - 1)
         update = maps.maps[k] @ maps.histogram(points, here)
         norm = float(np.sqrt(update @ update))
         if not norm < _LARGEST_UPDATE:
-            stop = StopReason.DIVERGED
+            stop, last_norm = StopReason.DIVERGED, norm
             break
         if len(norms) >= len(maps.maps) and norm < epsilon:
-            stop = StopReason.CONVERGED
+            stop, last_norm = StopReason.CONVERGED, norm
             break
         here = here - update
         track.append(here)
         norms.append(norm)
-    return Trajectory(np.stack(track), np.array(norms), stop)
+    return Trajectory(np.stack(track), np.array(norms), stop, last_norm)
 
 
 def register_batch(
@@ -98,6 +100,7 @@ def register_batch(
     tracks = [[start.copy()] for start in x]
     norms: list[list[float]] = [[] for _ in tracks]
     stops = [StopReason.MAX_ITERATIONS] * len(tracks)
+    last_norms = np.full(len(tracks), np.nan)
     active = np.arange(len(scenes))
     moving = scenes
     for done in range(max_iterations):
@@ -112,6 +115,7 @@ def register_batch(
             stops[i] = StopReason.CONVERGED
         for i in active[diverged]:
             stops[i] = StopReason.DIVERGED
+        last_norms[active[ended]] = sizes[ended]
         on = active[~ended]
         x[on] -= updates[~ended]
         for i, size in zip(on, sizes[~ended], strict=True):
@@ -120,8 +124,8 @@ def register_batch(
         if ended.any():
             active, moving = on, moving.choose(np.flatnonzero(~ended))
     return [
-        Trajectory(np.stack(track), np.array(norm), stop)
-        for track, norm, stop in zip(tracks, norms, stops, strict=True)
+        Trajectory(np.stack(track), np.array(norm), stop, float(last))
+        for track, norm, stop, last in zip(tracks, norms, stops, last_norms, strict=True)
     ]
 
 

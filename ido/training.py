@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor
 
 import numpy as np
@@ -121,12 +121,13 @@ def solve(h: FloatArray, step: FloatArray, ridge: float) -> FloatArray:
 
 
 def _histograms(histogram: Histogram, scenes: SceneBatch, x: FloatArray, executor: Executor | None) -> FloatArray:
+    if executor is None:
+        return histogram.batch(scenes, x)
     h = np.empty((len(scenes), histogram.n_bins), dtype=np.float32)
     parts = [(begin, min(begin + _CHUNK, len(scenes))) for begin in range(0, len(scenes), _CHUNK)]
     batches = [scenes.part(*part) for part in parts]
     poses_x = [x[begin:end] for begin, end in parts]
-    rows: Iterator[FloatArray] = (executor.map if executor else map)(histogram.batch, batches, poses_x)
-    for (begin, end), row in zip(parts, rows, strict=True):
+    for (begin, end), row in zip(parts, executor.map(histogram.batch, batches, poses_x), strict=True):
         h[begin:end] = row
     return h
 

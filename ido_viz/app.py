@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import threading
 
 import viser
@@ -36,7 +38,8 @@ class App:
         self._state = self._library.checked(state or State())
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
-        self.server = viser.ViserServer(host=host, port=port, label="IDO Explorer", verbose=False)
+        with contextlib.redirect_stdout(io.StringIO()):  # the command prints the address itself
+            self.server = viser.ViserServer(host=host, port=port, label="IDO Explorer", verbose=False)
         self.server.scene.world_axes.visible = False
         self.server.on_client_connect(self._open)
         self.server.on_client_disconnect(self._close)
@@ -65,6 +68,8 @@ class App:
     def _open(self, client: viser.ClientHandle) -> None:
         session = Session(client, self._library, self._state)
         with self._lock:
+            if client.client_id not in self.server.get_clients():  # gone again already
+                return
             self._sessions[client.client_id] = session
         session.start()
 

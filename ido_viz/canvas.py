@@ -38,7 +38,7 @@ class Canvas:
         if abs(aspect - self._fitted_aspect) < 0.02 * aspect:
             return
         self._fitted_aspect = aspect
-        height = max(_SHOWN_HEIGHT, _SHOWN_WIDTH / aspect)
+        height = max(_SHOWN_HEIGHT, _SHOWN_WIDTH / aspect * (1.0 if aspect > _PORTRAIT else 1.15))
         distance = height / 2 / np.tan(self._camera.fov / 2)
         # on a phone the controls cover the lower part, so the panes move up
         target = np.array([0.0, 0.0, 0.1 if aspect > _PORTRAIT else -0.27 * height])
@@ -61,7 +61,7 @@ class _Pane:
         self._label = scene.add_label(f"{root}-title", "", position=(x, 0.0, 1.3), anchor="bottom-center")
         self._model = scene.add_point_cloud(f"{root}/model", nothing, (0, 0, 0), point_size=0.022, point_shape="circle")
         self._ghost = scene.add_point_cloud(
-            f"{root}/ghost", nothing, palette.GHOST, point_size=0.016, point_shape="circle"
+            f"{root}/ghost", nothing, palette.GHOST, point_size=0.02, point_shape="circle"
         )
         self._trail = scene.add_line_segments(
             f"{root}/trail", _NO_TRAIL, np.array(self._color), thickness=2.0, thickness_units="screen"
@@ -71,7 +71,7 @@ class _Pane:
             f"{root}/scene/points", nothing, self._color, point_size=0.03, point_shape="circle"
         )
         self._outliers = scene.add_point_cloud(
-            f"{root}/scene/outliers", nothing, palette.OUTLIER, point_size=0.02, point_shape="circle"
+            f"{root}/scene/outliers", nothing, palette.OUTLIER, point_size=0.014, point_shape="circle"
         )
         self._run: Run | None = None
         self._look: tuple[object, ...] | None = None
@@ -115,5 +115,5 @@ def _upright(up: tuple[float, float, float]) -> FloatArray:
 def _model_colors(height: FloatArray, dark: bool) -> np.ndarray:
     """Greys by height, so that the shape can be read; shape (M, 3)."""
     share = (height - height.min()) / max(float(np.ptp(height)), 1e-9)
-    low, high = (110, 235) if dark else (25, 150)
+    low, high = (110, 235) if dark else (90, 185)
     return np.repeat((low + (high - low) * share)[:, None], 3, axis=1).astype(np.uint8)

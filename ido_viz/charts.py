@@ -10,8 +10,8 @@ import viser
 
 from ido.types import DoubleArray, FloatArray
 from ido_viz import palette
-from ido_viz.run import MethodRun, Run, bin_order
-from ido_viz.state import State
+from ido_viz.run import MethodRun, Run, bin_order, norms
+from ido_viz.state import LONGEST_RUN, State
 
 _TOP = 1.8  # of the histograms' y axis; the reference line of each block peaks at 1
 
@@ -39,7 +39,7 @@ class Plot:
                 legend={"show": False},
                 cursor={"show": False},
                 height=self._height,
-                padding=(4, 18, 0, 0),
+                padding=(7, 18, 0, 0),
             )
         if old is not None:
             old.remove()
@@ -83,7 +83,7 @@ def _histogram_data(histogram: FloatArray, side: MethodRun, state: State) -> tup
     if state.difference:
         blocks, reference = blocks - reference, np.zeros_like(reference)
     order = bin_order(side.maps, state.order)
-    values = np.clip(blocks.reshape(-1)[order], -_TOP, _TOP)
+    values = blocks.reshape(-1)[order]
     block_of = np.arange(values.size) * len(blocks) // values.size
     separate = [np.where(block_of == b, values, np.nan) for b in range(len(blocks))]
     return (np.arange(values.size, dtype=np.float64), *separate, reference.reshape(-1)[order].astype(np.float64))
@@ -93,7 +93,7 @@ def _histogram_style(side: MethodRun, state: State) -> tuple[list[Any], dict[str
     histogram = side.maps.histogram
     n_model, names = len(histogram.model.points), [name for block in histogram.blocks for name in block]
     ink = palette.css(palette.ink(state.dark))
-    low, high = (-1.0, 1.0) if state.difference else (0.0, _TOP)
+    low, high = (-1.1, 1.1) if state.difference else (0.0, _TOP)
     series: list[Any] = [{"label": "bin"}]
     for b, block in enumerate(histogram.blocks):
         color = palette.css(palette.BLOCKS[b % len(palette.BLOCKS)])
@@ -150,7 +150,7 @@ class ErrorCharts:
 
     def draw(self, run: Run, state: State, iteration: int) -> None:
         """Draw the curves of a run and mark an iteration."""
-        look = (id(run), state.dark)
+        look = (*_error_scales(run), *(side.method for side in run.sides), state.dark)
         for name, plot in self._plots.items():
             data = _error_data(run, name, state.epsilon, iteration)
             if look == self._look:
@@ -170,8 +170,14 @@ def _error_data(run: Run, name: str, epsilon: float, iteration: int) -> tuple[Do
         np.where(iterations == side.clipped(iteration), values, np.nan)
         for side, values in zip(run.sides, curves, strict=True)
     ]
-    threshold = (np.full(len(iterations), epsilon),) if name == "update norm" else ()
+    threshold = (np.full(len(iterations), np.log10(epsilon)),) if name == "update norm" else ()
     return (iterations, *curves, *marks, *threshold)
+
+
+def _error_scales(run: Run) -> tuple[float, float]:
+    """Ends of the axes of iterations and of PointRMSE, in steps, so that they stand still while a slider is dragged."""
+    last = next(step for step in (40, 60, 100, 200, 400, 700, 1000, 2000, LONGEST_RUN) if step >= run.iterations)
+    return float(last), float(np.ceil(2 * max(*(side.scores.rmse.max() for side in run.sides), 0.1)) / 2)
 
 
 def _error_style(run: Run, name: str, dark: bool) -> tuple[list[Any], dict[str, Any], list[Any]]:
@@ -185,17 +191,17 @@ def _error_style(run: Run, name: str, dark: bool) -> tuple[list[Any], dict[str, 
     y: dict[str, Any] = {"auto": False, "range": (0.0, 1.05)}
     if name == "update norm":
         series.append({"stroke": palette.css(palette.ink(dark)), "width": 1, "dash": [4, 4], "points": {"show": False}})
-        y = {"distr": 3, "auto": False, "range": (1e-4, 10.0)}
+        y["range"] = (-4.5, 0.5)
     elif name == "PointRMSE":
-        y["range"] = (0.0, 1.05 * max(*(float(side.scores.rmse.max()) for side in run.sides), 1e-3))
-    x = {"time": False, "auto": False, "range": (0.0, float(max(run.iterations, 1)))}
-    return series, {"x": x, "y": y}, plain_axes(dark)
+        y["range"] = (0.0, _error_scales(run)[1])
+    x = {"time": False, "auto": False, "range": (0.0, _error_scales(run)[0])}
+    return series, {"x": x, "y": y}, plain_axes(dark, powers=(-4, 0) if name == "update norm" else None)
 
 
 def curve(side: MethodRun, name: str) -> FloatArray:
-    """A curve of a run over its iterations, shape (n + 1,); the update norm is that of the update that led there."""
+    """A curve of a run over its iterations, shape (n + 1,); of the norm of the next update, its logarithm."""
     if name == "update norm":
-        return np.concatenate([[np.nan], side.trajectory.update_norms])
+        return np.log10(np.maximum(norms(side), 1e-12))
     return side.scores.rmse if name == "PointRMSE" else side.scores.accuracy
 
 
@@ -204,11 +210,15 @@ def padded(values: FloatArray, length: int) -> DoubleArray:
     return np.concatenate([values, np.full(length - len(values), np.nan)]).astype(np.float64)
 
 
-def plain_axes(dark: bool) -> list[Any]:
-    """Axes with a faint grid, in the page's ink."""
+def plain_axes(dark: bool, powers: tuple[int, int] | None = None) -> list[Any]:
+    """Axes with a faint grid, in the page's ink; for logarithms, y is marked at these powers of ten."""
     ink = palette.ink(dark)
-    axis = {"stroke": palette.css(ink), "grid": {"stroke": palette.css(ink, 0.12), "width": 1}}
-    return [{**axis, "size": 24}, {**axis, "size": 44}]
+    axis: dict[str, Any] = {"stroke": palette.css(ink), "grid": {"stroke": palette.css(ink, 0.12), "width": 1}}
+    marks: dict[str, Any] = {}
+    if powers:
+        marks["splits"] = [float(power) for power in range(powers[0], powers[1] + 1)]
+        marks["values"] = [f"{10.0**power:g}" for power in range(powers[0], powers[1] + 1)]
+    return [{**axis, "size": 24}, {**axis, **marks, "size": 52}]
 
 
 def caption(content: str) -> str:

@@ -15,8 +15,8 @@ from ido import RANGES, Perturbation
 from ido.perturbation import LARGEST_SEED, OutlierKind
 from ido_viz import palette
 from ido_viz.library import Library
-from ido_viz.run import Run
-from ido_viz.state import LONGEST_RUN, BinOrder, State, encode
+from ido_viz.run import MethodRun, Run, norms
+from ido_viz.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, State, encode
 
 _STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
 _HINTS = {
@@ -78,7 +78,7 @@ class Controls:
             "Next (N)": lambda: actions.step(1),
             "Last": lambda: actions.jump(-1),
         }
-        buttons = gui.add_button_group("Step", tuple(moves), hint="Also with the keys R, B and N.")
+        buttons = gui.add_button_group("Step", tuple(moves))
         buttons.on_click(lambda event: moves[event.target.value]())
         self._scrub = gui.add_slider("Iteration", 0, 1, 1, 0, hint="Drag through the registration.")
         self._scrub.on_update(lambda event: actions.jump(int(event.target.value)) if event.client else None)
@@ -115,7 +115,7 @@ class Controls:
                 "Seed", state.perturbation.seed, min=0, max=LARGEST_SEED, step=1, hint="The same seed, the same scene."
             )
             scene_buttons = {"New seed": actions.new_seed, "Paper defaults": actions.paper_defaults}
-            gui.add_button_group("Set", tuple(scene_buttons)).on_click(
+            gui.add_button_group("Scene", tuple(scene_buttons)).on_click(
                 lambda event: scene_buttons[event.target.value]()
             )
 
@@ -128,8 +128,8 @@ class Controls:
             self._inputs["epsilon"] = gui.add_number(
                 "Stop below ε",
                 state.epsilon,
-                min=1e-5,
-                max=0.1,
+                min=EPSILON_RANGE[0],
+                max=EPSILON_RANGE[1],
                 step=0.0005,
                 hint="Registration ends when the update norm is below this. The paper says 0.005.",
             )
@@ -184,7 +184,7 @@ class Controls:
             perturbation=perturbation,
             left=value["left"] if value["left"] in known else known[0],
             right=value["right"] if value["right"] in known else known[-1],
-            epsilon=_within(value["epsilon"], 1e-5, 0.1, State().epsilon),
+            epsilon=_within(value["epsilon"], *EPSILON_RANGE, State().epsilon),
             max_iterations=_within(value["max_iterations"], 1, LONGEST_RUN, State().max_iterations),
             speed=_within(value["speed"], 1, 60, State().speed),
             order=value["order"],
@@ -272,7 +272,7 @@ def readout_html(run: Run, iteration: int) -> str:
     """A table of both sides' live numbers."""
     rows: list[tuple[str, list[str]]] = [
         ("Iteration", []),
-        ("Update norm", []),
+        ("Next update", []),
         ("PointAcc", []),
         ("PointRMSE", []),
         ("Rotation error", []),
@@ -281,10 +281,10 @@ def readout_html(run: Run, iteration: int) -> str:
     ]
     for side in run.sides:
         k, n = side.clipped(iteration), side.trajectory.iterations
-        norm = f"{side.trajectory.update_norms[k - 1]:.4f}" if k else "–"
+        norm = "–" if np.isnan(norms(side)[k]) else f"{norms(side)[k]:.4f}"
         scores = side.scores
         cells = [f"{k} / {n}", norm, f"{scores.accuracy[k]:.3f}", f"{scores.rmse[k]:.4f}"]
-        cells += [f"{scores.rotation[k]:.2f}°", f"{scores.translation[k]:.4f}", str(side.trajectory.stop)]
+        cells += [f"{scores.rotation[k]:.2f}°", f"{scores.translation[k]:.4f}", verdict(side, k)]
         for row, cell in zip(rows, cells, strict=True):
             row[1].append(cell)
     head = "".join(
@@ -296,11 +296,21 @@ def readout_html(run: Run, iteration: int) -> str:
         for name, cells in rows
     )
     return (
-        '<table style="width:calc(100% - 16px);margin:0 8px;font-size:12px;line-height:1.35;'
+        '<table style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:12px;line-height:1.35;'
         f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>' + _LEGEND
     )
 
 
+def verdict(side: MethodRun, k: int) -> str:
+    """Why a method stopped, and whether where the scene belongs; nothing of it before the end."""
+    if k < side.trajectory.iterations:
+        return "moving"
+    accuracy = side.scores.accuracy[k]
+    place = "in place" if accuracy >= _IN_PLACE else "nearly in place" if accuracy >= _NEARLY else "wrong pose"
+    return f"{side.trajectory.stop}, {place}"
+
+
+_IN_PLACE, _NEARLY = 0.95, 0.5  # PointAcc
 _LEGEND = (
     '<div style="margin:4px 8px 0 8px;font-size:11px">'
     + " &nbsp;".join(

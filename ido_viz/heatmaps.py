@@ -21,7 +21,7 @@ from ido_viz.state import State
 COMPARED = (1, 15, 30)
 """Numbers of the maps that the paper's figure compares."""
 
-_ROW = 12  # height of a row, pixels
+_ROW = 14  # height of a row, pixels
 
 
 class Heatmap:

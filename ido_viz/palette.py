@@ -10,7 +10,7 @@ METHODS: tuple[Color, Color] = ((0, 114, 178), (213, 94, 0))
 BLOCKS: tuple[Color, ...] = ((230, 159, 0), (0, 158, 115), (204, 121, 167))
 """Blocks of a histogram: orange, green, purple."""
 
-OUTLIER: Color = (170, 110, 160)
+OUTLIER: Color = (190, 140, 182)
 GHOST: Color = (0, 158, 115)
 
 

@@ -58,6 +58,14 @@ class Run:
         return method.maps.histogram(self.scene.points, method.trajectory.x[method.clipped(iteration)])
 
 
+def norms(side: MethodRun) -> FloatArray:
+    """‖D h(x)‖ at every pose, shape (n + 1,): of the update made there, last of the one that was too small to make.
+
+    The last is NaN at the iteration limit, where none was computed.
+    """
+    return np.append(side.trajectory.update_norms, side.trajectory.last_norm)
+
+
 def inputs(state: State) -> tuple[object, ...]:
     """The part of a state that a run depends on: equal inputs, equal runs."""
     return (state.shape, state.perturbation, state.left, state.right, state.epsilon, state.max_iterations)

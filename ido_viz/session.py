@@ -40,12 +40,11 @@ class Session:
         self._awake = threading.Condition()
         self._state = state
         self._read_controls = False
-        self._show_state = False
         self._dirty = True
         self._closed = False
         self._run: Run | None = None
         self._run_inputs: tuple[object, ...] | None = None
-        self._position = 0.0  # the iteration while playing, with its fraction
+        self._position = float(max(state.iteration, 0))  # the iteration while playing, with its fraction
         self._ticked = time.perf_counter()
         self._thread = threading.Thread(target=self._serve, name=f"session-{client.client_id}", daemon=True)
 
@@ -63,8 +62,11 @@ class Session:
 
     def _change(self, change: Callable[[State], State], *, show: bool = False) -> None:
         with self._awake:
+            if self._read_controls:  # what was asked before comes first
+                self._read()
             self._state = change(self._state)
-            self._show_state |= show
+            if show:
+                self._controls.show(self._state)
             self._dirty = True
             self._awake.notify()
 
@@ -103,13 +105,20 @@ class Session:
         self._change(reset, show=True)
 
     def _apply_code(self, code: str) -> None:
+        if not code.strip():  # cleared, to paste another
+            return
         try:
             state = self._library.checked(decode(code))
         except StateError as error:
             self._tell("This code cannot be used", str(error))
             return
-        self._position = float(max(state.iteration, 0))
-        self._change(lambda _: state, show=True)
+
+        def begin(_: State) -> State:
+            self._position = float(max(state.iteration, 0))
+            self._ticked = time.perf_counter()
+            return state
+
+        self._change(begin, show=True)
 
     def _shown(self, state: State) -> int:
         """The iteration that a state shows."""
@@ -118,8 +127,7 @@ class Session:
 
     def _at(self, state: State, iteration: int) -> State:
         """The state at an iteration; at the end it stays at the end when the run changes."""
-        last = self._run.iterations if self._run else 0
-        at_end = iteration == LAST or iteration >= last
+        at_end = iteration == LAST or (self._run is not None and iteration >= self._run.iterations)
         return replace(state, iteration=LAST if at_end else max(0, iteration))
 
     # The thread
@@ -151,22 +159,16 @@ class Session:
                     state, show = self._take()
                 self._frame(state, show)
             except StateError as error:
-                self._tell("This cannot be shown", str(error))
+                self._fail("This cannot be shown", str(error))
             except Exception as error:  # the page must outlive whatever goes wrong in one frame
                 _log.exception("frame failed")
-                self._tell("Something went wrong", f"{type(error).__name__}: {error}")
+                self._fail("Something went wrong", f"{type(error).__name__}: {error}")
 
     def _take(self) -> tuple[State, bool]:
         """The newest state, with the controls read and the playing moved on; called with the lock held."""
-        show, state, read = self._show_state, self._state, self._read_controls
-        self._read_controls = self._show_state = self._dirty = False
-        if read and not show:
-            before = state
-            state, usable = self._controls.read(state)
-            if state.shape != before.shape:
-                state = self._library.at_shape(state, state.shape)
-            show = not usable or state.shape != before.shape
-        now = time.perf_counter()
+        self._dirty = False
+        show = self._read() if self._read_controls else False
+        state, now = self._state, time.perf_counter()
         if state.playing and self._run is not None:
             self._position += (now - self._ticked) * state.speed
             state = self._at(state, int(self._position))
@@ -176,6 +178,15 @@ class Session:
         self._state = state
         return state, show
 
+    def _read(self) -> bool:
+        """Take over the controls' values; whether the controls must be shown what became of them."""
+        self._read_controls = False
+        shape = self._state.shape
+        self._state, usable = self._controls.read(self._state)
+        if self._state.shape != shape:
+            self._state = self._library.at_shape(self._state, self._state.shape)
+        return not usable or self._state.shape != shape
+
     def _frame(self, state: State, show: bool) -> None:
         first = self._run is None
         if inputs(state) != self._run_inputs:
@@ -184,6 +195,8 @@ class Session:
                 self._run, self._run_inputs = run, inputs(state)
                 if first:
                     self._ticked = time.perf_counter()
+                if self._closed:
+                    return
         assert self._run is not None
         iteration = self._shown(state)
         with self._client.atomic():
@@ -199,6 +212,11 @@ class Session:
                 self._controls.show_iteration(self._run, state, iteration)
             if show:
                 self._controls.show(state)
+
+    def _fail(self, title: str, body: str) -> None:
+        with self._awake:
+            self._state = replace(self._state, playing=False)  # or it would fail again at once
+        self._tell(title, body)
 
     def _tell(self, title: str, body: str) -> None:
         self._client.add_notification(title, body, color="red", auto_close_seconds=8.0)

@@ -9,7 +9,7 @@ import zlib
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal, get_args
 
-from ido import Perturbation
+from ido import RANGES, Perturbation
 from ido.registration import EPSILON, MAX_ITERATIONS
 
 BinOrder = Literal["reference value", "model index", "elevation", "azimuth"]
@@ -17,6 +17,7 @@ LAST = -1
 """Iteration that stands for the last one, however many there are."""
 
 LONGEST_RUN = 5000
+EPSILON_RANGE = (1e-5, 0.1)
 _CODE = "ido1-"
 
 
@@ -71,7 +72,7 @@ class State:
         if self.order not in get_args(BinOrder):
             raise StateError(f"unknown order of bins {self.order!r}; known: {', '.join(get_args(BinOrder))}")
         limits = {
-            "epsilon": (1e-6, 1.0),
+            "epsilon": EPSILON_RANGE,
             "max_iterations": (1, LONGEST_RUN),
             "iteration": (LAST, LONGEST_RUN),
             "speed": (1, 60),
@@ -80,6 +81,9 @@ class State:
         for name, (low, high) in limits.items():
             if not low <= getattr(self, name) <= high:
                 raise StateError(f"{name} must lie between {low:g} and {high:g}, not {getattr(self, name)}")
+        for name, allowed in RANGES.items():
+            if not allowed.low <= getattr(self.perturbation, name) <= allowed.high:
+                raise StateError(f"{name} must lie between {allowed.low:g} and {allowed.high:g} on a page")
 
 
 def encode(state: State) -> str:

@@ -41,18 +41,19 @@ class TrainingCharts:
         self._look = look
         self._caption.content = caption(both_methods(run))
         series: list[Any] = [{"label": "maps"}]
-        for color in (palette.css(color) for color in palette.METHODS):
-            dots = {"show": True, "size": 4, "fill": color, "stroke": color}
-            series.append({"stroke": color, "width": 1.5, "points": dots})
+        for color, width in zip(
+            map(palette.css, palette.METHODS), (4, 1.5), strict=True
+        ):  # equal curves stay both seen
+            series.append({"stroke": color, "width": width, "points": {"show": False}})
         for name, plot in self._plots.items():
-            curves = [getattr(side.maps.curves, name) for side in run.sides]
+            curves = [np.log10(np.maximum(getattr(side.maps.curves, name), 1e-12)) for side in run.sides]
             length = max(len(values) for values in curves)
             scales = {
                 "x": {"time": False, "auto": False, "range": (0.0, float(length - 1))},
-                "y": {"auto": False, "range": (0.0, 1.05 * max(float(values.max()) for values in curves))},
+                "y": {"auto": False, "range": (-3.5, 0.3)},
             }
             data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
-            plot.restyle(data, series, scales, plain_axes(state.dark))
+            plot.restyle(data, series, scales, plain_axes(state.dark, powers=(-3, 0)))
         self._samples.content = "".join(
             _samples_html(side.maps, f"{method_span(side.method, i)} {part} error of 600 samples", columns)
             for part, columns in (("rotation", slice(3, 6)), ("translation", slice(0, 3)))

@@ -14,7 +14,7 @@ from PIL import Image
 
 from ido import shipped_maps
 from ido_viz.charts import both_methods, caption, method_span
-from ido_viz.controls import readout_html
+from ido_viz.controls import readout_html, verdict
 from ido_viz.heatmaps import heatmap_html
 from ido_viz.library import shipped_library
 from ido_viz.run import Run, compute
@@ -106,16 +106,22 @@ def test_the_readout_holds_the_numbers_of_each_side(run: Run):
     rows = {cells[i]: cells[i + 1 : i + 3] for i in range(0, len(cells), 3)}
     both = run.sides
     assert rows["Iteration"] == ["7 / 12", "7 / 12"]
-    assert rows["Update norm"] == [f"{side.trajectory.update_norms[iteration - 1]:.4f}" for side in both]
+    assert rows["Next update"] == [f"{side.trajectory.update_norms[iteration]:.4f}" for side in both]
     assert rows["PointAcc"] == [f"{side.scores.accuracy[iteration]:.3f}" for side in both]
     assert rows["PointRMSE"] == [f"{side.scores.rmse[iteration]:.4f}" for side in both]
     assert rows["Rotation error"] == [f"{side.scores.rotation[iteration]:.2f}°" for side in both]
     assert rows["Translation error"] == [f"{side.scores.translation[iteration]:.4f}" for side in both]
-    assert rows["Stops"] == ["iteration limit", "iteration limit"]
+    assert rows["Stops"] == ["moving", "moving"]
 
 
-def test_before_the_first_update_there_is_no_update_norm(run: Run):
-    assert Page(readout_html(run, 0)).text.count("–") == 2
+def test_at_the_iteration_limit_there_is_no_next_update_and_the_place_is_told(run: Run):
+    text = Page(readout_html(run, 12)).text
+    assert text.count("–") == 2
+    assert text.count("iteration limit, ") == 2
+    for side in run.sides:
+        accuracy = side.scores.accuracy[-1]
+        told = verdict(side, 12)
+        assert told.endswith("in place" if accuracy >= 0.95 else "nearly in place" if accuracy >= 0.5 else "wrong pose")
 
 
 def picture(source: str) -> np.ndarray:

@@ -14,8 +14,9 @@ from PIL import Image
 from playwright.sync_api import FloatRect, Locator, Page
 
 from ido_viz.app import App
+from ido_viz.controls import verdict
 from ido_viz.library import shipped_library
-from ido_viz.run import Run, compute
+from ido_viz.run import MethodRun, Run, compute
 from ido_viz.state import LAST, State, decode
 
 PATIENCE = 45.0  # seconds; only a failing test waits that long
@@ -42,6 +43,14 @@ def independent_run(state: State) -> Run:
     return compute(state, shipped_library())
 
 
+def next_update(side: MethodRun, points: np.ndarray, k: int) -> str:
+    """What the readout must say of the next update, computed anew from the histogram."""
+    if k == side.trajectory.iterations and side.trajectory.stop == "iteration limit":
+        return "–"
+    D = side.maps.maps[min(k, len(side.maps.maps) - 1)]
+    return f"{np.linalg.norm(D @ side.maps.histogram(points, side.trajectory.x[k])):.4f}"
+
+
 def numbers_of(state: State) -> Numbers:
     """What the readout must say for a state."""
     run = independent_run(replace(state, iteration=0, playing=False))
@@ -52,15 +61,15 @@ def numbers_of(state: State) -> Numbers:
         rows.append(
             (
                 f"{k} / {n}",
-                f"{side.trajectory.update_norms[k - 1]:.4f}" if k else "–",
+                next_update(side, run.scene.points, k),
                 f"{side.scores.accuracy[k]:.3f}",
                 f"{side.scores.rmse[k]:.4f}",
                 f"{side.scores.rotation[k]:.2f}°",
                 f"{side.scores.translation[k]:.4f}",
-                str(side.trajectory.stop),
+                verdict(side, k),
             )
         )
-    names = ("Iteration", "Update norm", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")
+    names = ("Iteration", "Next update", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")
     return {name: (left, right) for name, left, right in zip(names, *rows, strict=True)}
 
 
