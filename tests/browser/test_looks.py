@@ -80,7 +80,7 @@ def test_stepping_moves_both_clouds(at_the_start: Explorer):
 
 def test_histograms_change_with_the_iteration(at_the_start: Explorer):
     explorer = at_the_start
-    assert explorer.charts().count() == 2
+    explorer.wait_until("both histograms", lambda: explorer.charts().count() == 2)
     explorer.wait_until("both histograms drawn", lambda: min(explorer.chart_ink(i) for i in range(2)) > 500)
     seen = [{explorer.chart_picture(i)} for i in range(2)]
     for _ in range(2):
