@@ -26,7 +26,7 @@ def main(output: Path = Path(__file__).parent / "explorer.webp", chromium: str |
         output: where the animation goes.
         chromium: the browser; the one on the PATH unless given.
     """
-    app = App(State(playing=False))
+    app = App(State(playing=False), port=8145)
     frames = []
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium or shutil.which("chromium"), args=FLAGS)
