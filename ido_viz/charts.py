@@ -218,7 +218,7 @@ def plain_axes(dark: bool, powers: tuple[int, int] | None = None) -> list[Any]:
     if powers:
         marks["splits"] = [float(power) for power in range(powers[0], powers[1] + 1)]
         marks["values"] = [f"{10.0**power:g}" for power in range(powers[0], powers[1] + 1)]
-    return [{**axis, "size": 24}, {**axis, **marks, "size": 52}]
+    return [{**axis, "size": 24}, {**axis, **marks, "size": 60}]
 
 
 def caption(content: str) -> str:
