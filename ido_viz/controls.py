@@ -29,7 +29,7 @@ _HINTS = {
 }
 _PREPARING = (
     '<div style="margin:0 8px;font-size:12px">Preparing. On the very first start the numerical loops are '
-    "compiled, which takes about half a minute.</div>"
+    "compiled, which takes some seconds.</div>"
 )
 
 
