@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -17,6 +18,9 @@ EPSILON = 1e-3
 
 MAX_ITERATIONS = 1000
 """Default limit of all iterations, as in the paper."""
+
+Watch = Callable[[int], None]
+"""Called after each iteration with how many there were; what it raises ends the registration."""
 
 
 class StopReason(StrEnum):
@@ -64,10 +68,12 @@ def register(
     epsilon: float = EPSILON,
     max_iterations: int = MAX_ITERATIONS,
     x: FloatArray | None = None,
+    watch: Watch | None = None,
 ) -> Trajectory:
     """Register one scene, points (S, 3) in model units, from x (default: where it lies).
 
-    Applies D_1 .. D_K, then D_K until ‖D_K h(x)‖ < ε or max_iterations updates were made in all.
+    Applies D_1 .. D_K, then D_K until ‖D_K h(x)‖ < ε or max_iterations updates were made in all; calls `watch` after
+    each.
 
     Raises:
         ValueError: coordinates are not finite.
@@ -89,6 +95,8 @@ def register(
         here = here - update
         track.append(here)
         norms.append(norm)
+        if watch:
+            watch(len(norms))
     return Trajectory(np.stack(track), np.array(norms), stop, last_norm)
 
 

@@ -26,13 +26,21 @@ LEVELS: dict[str, tuple[float, ...]] = {
 """Levels of each sweep. The paper gives their ranges, not the levels."""
 
 
-def sweep_scenes(cloud: Cloud, base: Perturbation, name: str, scenes: int, seed: int) -> Iterator[list[Scene]]:
-    """The scenes of a sweep, level by level, each with a draw of its own; all methods meet the same ones."""
+def level_scene(base: Perturbation, name: str, level: float, trial: int, scenes: int, seed: int) -> Perturbation:
+    """The perturbation of a sweep's scene: trial 0 .. scenes - 1 at a level, each with a draw of its own.
+
+    All methods meet the same scenes.
+    """
+    value = int(level) if name in ("points", "outliers") else level
     first = seed + 10_000 * list(LEVELS).index(name)
-    for number, level in enumerate(LEVELS[name]):
-        value = int(level) if name in ("points", "outliers") else level
-        seeds = range(first + number * scenes, first + (number + 1) * scenes)
-        yield [perturb(cloud, replace(base, seed=draw, **{name: value})) for draw in seeds]
+    draw = first + LEVELS[name].index(level) * scenes + trial
+    return replace(base, seed=draw, **{name: value})
+
+
+def sweep_scenes(cloud: Cloud, base: Perturbation, name: str, scenes: int, seed: int) -> Iterator[list[Scene]]:
+    """The scenes of a sweep, level by level."""
+    for level in LEVELS[name]:
+        yield [perturb(cloud, level_scene(base, name, level, trial, scenes, seed)) for trial in range(scenes)]
 
 
 def sweep(

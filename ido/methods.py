@@ -1,0 +1,96 @@
+"""Every method by name: those of the paper, ready to register scenes of a shipped shape."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Protocol
+
+from ido.baselines import BCPD, CPD, ICP, KCCE, Baseline, GMMReg, Nothing
+from ido.clouds import Model
+from ido.maps import Maps
+from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory, Watch, register
+from ido.shipped import SHAPES, shipped_maps
+from ido.types import FloatArray
+
+LEARNED: dict[str, str] = {
+    "DO": "front-back",
+    "Improved DO": "triple-binary",
+    "Improved DO (as printed)": "as-printed",
+}
+"""Name of each learned method, and of the histogram that its maps are trained on."""
+
+_TUNED: tuple[Baseline, ...] = (
+    ICP(cutoff=0.3),
+    CPD(normalisation="together", outliers=0.9),
+    BCPD(outliers=0.5),
+    GMMReg(normalisation="together"),
+    KCCE(),
+)
+
+BASELINES: dict[str, Baseline] = {
+    Nothing.title: Nothing(),
+    **{f"{b.title}, default": b for b in (ICP(), CPD(), BCPD(), GMMReg(), KCCE())},
+    **{f"{b.title}, tuned": b for b in _TUNED},
+}
+"""Every baseline by name: with its authors' settings, and with settings that `ido experiment tune` chose."""
+
+
+class Registers(Protocol):
+    """Registers one scene, points (S, 3) in model units, from where it lies."""
+
+    def __call__(self, points: FloatArray, *, watch: Watch | None = None) -> Trajectory: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Method:
+    """Something that registers scenes onto one model.
+
+    Args:
+        name: as it is shown.
+        settings: all of them, plain values.
+        register: registers one scene.
+        model: what scenes are registered onto.
+        maps: what was learned; None for a baseline.
+    """
+
+    name: str
+    settings: Mapping[str, object]
+    register: Registers
+    model: Model
+    maps: Maps | None = None
+
+    @classmethod
+    def learned(cls, name: str, maps: Maps, epsilon: float = EPSILON, max_iterations: int = MAX_ITERATIONS) -> Method:
+        """The method that walks maps."""
+        settings = {"histogram": maps.histogram.name, "epsilon": epsilon, "max_iterations": max_iterations}
+        run = partial(register, maps, epsilon=epsilon, max_iterations=max_iterations)
+        return cls(name, settings, run, maps.histogram.model, maps)
+
+    @classmethod
+    def baseline(cls, name: str, baseline: Baseline, model: Model) -> Method:
+        """A baseline on a model."""
+        return cls(name, baseline.settings, partial(baseline.register, model.points), model)
+
+
+def method_names(shape: str) -> tuple[str, ...]:
+    """The methods that can register a shipped shape, learned ones first."""
+    learned = (name for name, histogram in LEARNED.items() if histogram in SHAPES[shape].histograms)
+    return (*learned, *BASELINES)
+
+
+@cache
+def shipped_method(shape: str, name: str) -> Method:
+    """A method by name, for a shipped shape.
+
+    Raises:
+        ValueError: the shape or the method is unknown.
+    """
+    if shape not in SHAPES:
+        raise ValueError(f"unknown shape {shape!r}; known: {', '.join(SHAPES)}")
+    if name not in method_names(shape):
+        raise ValueError(f"{name!r} cannot register {shape!r}; known: {', '.join(method_names(shape))}")
+    if name in LEARNED:
+        return Method.learned(name, shipped_maps(shape, LEARNED[name]))
+    return Method.baseline(name, BASELINES[name], shipped_maps(shape, LEARNED["DO"]).histogram.model)
