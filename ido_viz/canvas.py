@@ -77,9 +77,9 @@ class _Pane:
         self._look: tuple[object, ...] | None = None
 
     def draw(self, run: Run, side: MethodRun, state: State, iteration: int) -> None:
-        look = (id(side.maps), state.shape, state.dark)
+        look = (id(side.histogram), state.shape, state.dark)
         if look != self._look:
-            model = side.maps.histogram.model.points
+            model = side.histogram.model.points
             self._root.wxyz = _upright(run.subject.up)
             self._model.points = model
             self._model.colors = _model_colors(model @ np.array(run.subject.up), state.dark)
@@ -100,9 +100,9 @@ class _Pane:
         T = side.T_model_scene[k]
         self._scene.wxyz = Rotation.from_matrix(T[:3, :3]).as_quat(scalar_first=True)
         self._scene.position = T[:3, 3]
+        counted = side.waiting or f"iteration {k} of {side.trajectory.iterations}"
         self._label.text = (
-            f"{side.method}\niteration {k} of {side.trajectory.iterations}\n"
-            f"PointRMSE {side.scores.rmse[k]:.3f}\nPointAcc {side.scores.accuracy[k]:.2f}"
+            f"{side.method}\n{counted}\nPointRMSE {side.scores.rmse[k]:.3f}\nPointAcc {side.scores.accuracy[k]:.2f}"
         )
 
 

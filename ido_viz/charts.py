@@ -66,23 +66,24 @@ class HistogramChart:
         """Draw the histogram after so many iterations."""
         side = run.sides[self._side]
         data = _histogram_data(run.histogram(self._side, iteration), side, state)
-        look = (id(side.maps), state.order, state.difference, state.dark)
+        look = (id(side.histogram), side.method, state.order, state.difference, state.dark)
         if look == self._look:
             self._plot.draw(data)
             return
         self._look = look
         self._plot.restyle(data, *_histogram_style(side, state))
         what = "minus the reference line" if state.difference else "against the reference line"
-        self._caption.content = caption(f"<b>{method_span(side.method, self._side)}</b> histogram {what}")
+        whose = "histogram" if side.maps else "has no histogram; this is what the first method would see,"
+        self._caption.content = caption(f"<b>{method_span(side.method, self._side)}</b> {whose} {what}")
 
 
 def _histogram_data(histogram: FloatArray, side: MethodRun, state: State) -> tuple[DoubleArray, ...]:
     """Bins, one array for each block with gaps elsewhere, and the reference line."""
     blocks = relative_blocks(histogram, side)
-    reference = relative_blocks(side.maps.histogram.reference, side)
+    reference = relative_blocks(side.histogram.reference, side)
     if state.difference:
         blocks, reference = blocks - reference, np.zeros_like(reference)
-    order = bin_order(side.maps, state.order)
+    order = bin_order(side.histogram, state.order)
     values = blocks.reshape(-1)[order]
     block_of = np.arange(values.size) * len(blocks) // values.size
     separate = [np.where(block_of == b, values, np.nan) for b in range(len(blocks))]
@@ -90,7 +91,7 @@ def _histogram_data(histogram: FloatArray, side: MethodRun, state: State) -> tup
 
 
 def _histogram_style(side: MethodRun, state: State) -> tuple[list[Any], dict[str, Any], list[Any]]:
-    histogram = side.maps.histogram
+    histogram = side.histogram
     n_model, names = len(histogram.model.points), [name for block in histogram.blocks for name in block]
     ink = palette.css(palette.ink(state.dark))
     low, high = (-1.1, 1.1) if state.difference else (0.0, _TOP)
@@ -132,8 +133,8 @@ _SHORT = {"clockwise": "clockw.", "anticlockwise": "anticl."}
 
 def relative_blocks(histogram: FloatArray, side: MethodRun) -> FloatArray:
     """A histogram by blocks, each relative to the block's largest reference bin; shape (blocks, 2 M)."""
-    n_blocks = len(side.maps.histogram.blocks)
-    largest = side.maps.histogram.reference.reshape(n_blocks, -1).max(axis=1, keepdims=True)
+    n_blocks = len(side.histogram.blocks)
+    largest = side.histogram.reference.reshape(n_blocks, -1).max(axis=1, keepdims=True)
     return histogram.reshape(n_blocks, -1) / np.where(largest > 0, largest, 1.0)
 
 

@@ -44,6 +44,7 @@ class Actions:
     new_seed: Callable[[], None]
     paper_defaults: Callable[[], None]
     apply_code: Callable[[str], None]
+    cancel: Callable[[], None]
 
 
 class Controls:
@@ -86,6 +87,8 @@ class Controls:
             "Speed", 1, 60, 1, state.speed, hint="Iterations a second while playing."
         )
         self._readout = gui.add_html(_PREPARING)
+        self._cancel = gui.add_button("Cancel what is computed", color="gray", visible=False)
+        self._cancel.on_click(_plain(actions.cancel))
 
     def _scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
         with gui.add_folder("Perturb the scene"):
@@ -216,6 +219,11 @@ class Controls:
         if self._inputs["pinned_map"].disabled != (state.pinned_map == 0):
             self._inputs["pinned_map"].disabled = state.pinned_map == 0
 
+    def show_cancel(self, shown: bool) -> None:
+        """Show or hide the button that cancels slow methods."""
+        if self._cancel.visible != shown:
+            self._cancel.visible = shown
+
     def show_iteration(self, run: Run, state: State, iteration: int) -> None:
         """Write the iteration, and, when nothing plays, the code."""
         last = max(1, run.iterations)
@@ -303,6 +311,8 @@ def readout_html(run: Run, iteration: int) -> str:
 
 def verdict(side: MethodRun, k: int) -> str:
     """Why a method stopped, and whether where the scene belongs; nothing of it before the end."""
+    if side.waiting:
+        return html.escape(side.waiting)
     if k < side.trajectory.iterations:
         return "moving"
     accuracy = side.scores.accuracy[k]

@@ -15,7 +15,7 @@ from ido import Maps
 from ido.poses import PARAMETERS
 from ido_viz import palette
 from ido_viz.charts import caption, method_span
-from ido_viz.run import Run, bin_order
+from ido_viz.run import MethodRun, Run, bin_order
 from ido_viz.state import State
 
 COMPARED = (1, 15, 30)
@@ -35,15 +35,22 @@ class Heatmap:
     def draw(self, run: Run, state: State, iteration: int) -> None:
         """Draw the map that makes the update after so many iterations, or the pinned one."""
         side = run.sides[self._side]
+        if side.maps is None:
+            self._show((side.method,), no_maps(side, self._side))
+            return
         following = state.pinned_map == 0
         number = side.map_number(iteration) if following else min(state.pinned_map, len(side.maps.maps))
         look = (id(side.maps), number, following, state.order, state.dark)
         if look == self._drawn:
             return
-        self._drawn = look
         title = f"<b>{method_span(side.method, self._side)}</b> map {number} of {len(side.maps.maps)}"
         title += "" if following else " (pinned)"
-        self._html.content = heatmap_html(side.maps, number, state.order, title)
+        self._show(look, heatmap_html(side.maps, number, state.order, title))
+
+    def _show(self, look: tuple[object, ...], content: str) -> None:
+        if look != self._drawn:
+            self._drawn = look
+            self._html.content = content
 
 
 class ComparedMaps:
@@ -55,16 +62,23 @@ class ComparedMaps:
 
     def draw(self, run: Run, state: State) -> None:
         """Draw the compared maps of the shown methods."""
-        look = (id(run.sides[0].maps), id(run.sides[1].maps), state.order)
+        look = (*((side.method, id(side.maps)) for side in run.sides), state.order)
         if look == self._drawn:
             return
         self._drawn = look
-        parts = []
+        parts = [no_maps(side, i) for i, side in enumerate(run.sides) if side.maps is None]
         for number in COMPARED:
             for i, side in enumerate(run.sides):
+                if side.maps is None:
+                    continue
                 shown = min(number, len(side.maps.maps))
                 parts.append(heatmap_html(side.maps, shown, state.order, f"{method_span(side.method, i)} map {shown}"))
         self._html.content = "".join(parts)
+
+
+def no_maps(side: MethodRun, number: int) -> str:
+    """What stands in the place of the maps of a baseline, as HTML."""
+    return caption(f"<b>{method_span(side.method, number)}</b> learns no maps")
 
 
 def heatmap_html(maps: Maps, number: int, order: str, title: str) -> str:
@@ -90,7 +104,7 @@ def heatmap_html(maps: Maps, number: int, order: str, title: str) -> str:
 @lru_cache(maxsize=512)
 def _picture(maps: Maps, number: int, order: str) -> tuple[str, float]:
     """A PNG of a map as a data address, and the value at the ends of its colours. Rows are drawn enlarged."""
-    values = maps.maps[number - 1][:, bin_order(maps, order)]
+    values = maps.maps[number - 1][:, bin_order(maps.histogram, order)]
     scale = float(np.quantile(np.abs(values), 0.995)) or 1.0
     levels = np.clip(np.rint((values / scale + 1) * 127.5), 0, 255).astype(np.uint8)
     picture = Image.fromarray(np.repeat(levels, _ROW, axis=0))

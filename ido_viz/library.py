@@ -1,4 +1,4 @@
-"""The shapes that a page offers, each with the methods that can register it."""
+"""The shapes that a page offers, each with the methods that can register it: its learned maps, and all baselines."""
 
 from __future__ import annotations
 
@@ -9,25 +9,22 @@ from pathlib import Path
 
 import numpy as np
 
-from ido import SHAPES, Cloud, Maps, load_cloud, shipped_cloud, shipped_maps
+from ido import SHAPES, Cloud, Histogram, Maps, load_cloud, shipped_cloud, shipped_maps
+from ido.methods import BASELINES, LEARNED, Method
 from ido.perturbation import OutlierKind
 from ido_viz.state import State, StateError
-
-METHODS: dict[str, str] = {
-    "DO": "front-back",
-    "Improved DO": "triple-binary",
-    "Improved DO (as printed)": "as-printed",
-}
-"""Name of each shipped method in the menus, and of the histogram it is trained on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """A shape to register: its cloud and its methods' maps are loaded when they are first asked for."""
+    """A shape to register: its cloud and the maps learned for it are loaded when they are first asked for.
+
+    All maps of a shape share their model, and baselines register onto it too.
+    """
 
     title: str
     cloud: Callable[[], Cloud]
-    methods: Mapping[str, Callable[[], Maps]]
+    maps: Mapping[str, Callable[[], Maps]]
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     outlier_kind: OutlierKind = "uniform"
 
@@ -49,18 +46,30 @@ class Library:
         return self.subjects[name]
 
     def methods(self, shape: str) -> tuple[str, ...]:
-        """Names of the methods that can register a shape."""
-        return tuple(self.subject(shape).methods)
+        """Names of the methods that can register a shape, learned ones first."""
+        return (*self.subject(shape).maps, *BASELINES)
 
-    def maps(self, shape: str, method: str) -> Maps:
-        """The maps of a method.
+    def method(self, state: State, name: str) -> Method:
+        """A method for the state's shape, with the state's stopping rule where it is a learned one.
 
         Raises:
             StateError: the shape or the method is unknown.
         """
-        if method not in self.methods(shape):
-            raise StateError(f"{method!r} cannot register {shape!r}; choose one of {', '.join(self.methods(shape))}")
-        return self.subject(shape).methods[method]()
+        subject = self.subject(state.shape)
+        if name in subject.maps:
+            return Method.learned(name, subject.maps[name](), state.epsilon, state.max_iterations)
+        if name in BASELINES:
+            return Method.baseline(name, BASELINES[name], self.first_histogram(state.shape).model)
+        known = ", ".join(self.methods(state.shape))
+        raise StateError(f"{name!r} cannot register {state.shape!r}; choose one of {known}")
+
+    def quick(self, shape: str, name: str) -> bool:
+        """Whether a method keeps up with a slider: the learned ones do."""
+        return name in self.subject(shape).maps
+
+    def first_histogram(self, shape: str) -> Histogram:
+        """The histogram of a shape's first method: how a baseline's poses are shown, too."""
+        return next(iter(self.subject(shape).maps.values()))().histogram
 
     def at_shape(self, state: State, shape: str) -> State:
         """A state for another shape, with the outliers that suit it and methods that can register it."""
@@ -69,7 +78,7 @@ class Library:
             state,
             shape=shape,
             left=state.left if state.left in known else known[0],
-            right=state.right if state.right in known else known[min(1, len(known) - 1)],
+            right=state.right if state.right in known else known[1],
             perturbation=replace(state.perturbation, outlier_kind=subject.outlier_kind),
         )
 
@@ -93,14 +102,14 @@ class Library:
             StateError: maps were trained on another cloud.
         """
         own = Cloud.of(load_cloud(cloud))
-        methods: dict[str, Callable[[], Maps]] = {}
+        learned: dict[str, Callable[[], Maps]] = {}
         for path in maps:
             loaded = Maps.load(path)
             same_place = np.allclose(loaded.frame.centre, own.frame.centre, atol=1e-3 * own.frame.scale)
             if not (same_place and np.isclose(loaded.frame.scale, own.frame.scale, rtol=1e-3)):
                 raise StateError(f"{path.name} was trained on another cloud than {cloud.name}; train maps on it first")
-            methods[path.stem] = partial(_maps_itself, loaded)
-        subject = Subject(cloud.name, lambda: own, methods)
+            learned[path.stem] = partial(_maps_itself, loaded)
+        subject = Subject(cloud.name, lambda: own, learned)
         return Library({**self.subjects, cloud.stem: subject}), cloud.stem
 
 
@@ -118,7 +127,7 @@ def shipped_library() -> Library:
                 partial(shipped_cloud, name),
                 {
                     method: partial(shipped_maps, name, histogram)
-                    for method, histogram in METHODS.items()
+                    for method, histogram in LEARNED.items()
                     if histogram in shape.histograms
                 },
                 shape.up,

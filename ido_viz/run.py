@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ido import Maps, Scene, Scores, Trajectory, perturb, register, score
+from ido import Histogram, Maps, Scene, Scores, StopReason, Trajectory, perturb, score
+from ido.registration import Watch
 from ido.types import FloatArray
 from ido_viz.library import Library, Subject
 from ido_viz.state import State
@@ -18,25 +19,29 @@ class MethodRun:
 
     Args:
         method: its name.
-        maps: what it walks.
+        maps: what it walks; None for a baseline.
+        histogram: what its poses are seen through: its own, for a baseline the shape's first.
         trajectory: all poses.
         T_model_scene: the same as matrices, shape (n + 1, 4, 4).
         scores: of every pose, each of shape (n + 1,).
+        waiting: why there is nothing but the start yet; empty once there is.
     """
 
     method: str
-    maps: Maps
+    maps: Maps | None
+    histogram: Histogram
     trajectory: Trajectory
     T_model_scene: FloatArray
     scores: Scores
+    waiting: str = ""
 
     def clipped(self, iteration: int) -> int:
         """The iteration, no further than this method got."""
         return min(iteration, self.trajectory.iterations)
 
     def map_number(self, iteration: int) -> int:
-        """Number, from 1, of the map that makes the next update."""
-        return min(self.clipped(iteration) + 1, len(self.maps.maps))
+        """Number, from 1, of the map that makes the next update; 0 for a baseline."""
+        return 0 if self.maps is None else min(self.clipped(iteration) + 1, len(self.maps.maps))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +60,7 @@ class Run:
     def histogram(self, side: int, iteration: int) -> FloatArray:
         """The histogram that a side sees after so many iterations, shape (n_bins,)."""
         method = self.sides[side]
-        return method.maps.histogram(self.scene.points, method.trajectory.x[method.clipped(iteration)])
+        return method.histogram(self.scene.points, method.trajectory.x[method.clipped(iteration)])
 
 
 def norms(side: MethodRun) -> FloatArray:
@@ -77,29 +82,50 @@ def compute(state: State, library: Library) -> Run:
     Raises:
         StateError: the shape is unknown, or a method is not available for it.
     """
-    subject = library.subject(state.shape)
-    scene = perturb(subject.cloud(), state.perturbation)
-    left, right = (_register(state, library, method, scene) for method in (state.left, state.right))
-    return Run(subject, scene, (left, right))
+    scene = make_scene(state, library)
+    left, right = (register_side(state, library, method, scene) for method in (state.left, state.right))
+    return Run(library.subject(state.shape), scene, (left, right))
 
 
-def _register(state: State, library: Library, method: str, scene: Scene) -> MethodRun:
-    maps = library.maps(state.shape, method)
-    trajectory = register(maps, scene.points, epsilon=state.epsilon, max_iterations=state.max_iterations)
+def make_scene(state: State, library: Library) -> Scene:
+    """The scene of a state."""
+    return perturb(library.subject(state.shape).cloud(), state.perturbation)
+
+
+def register_side(state: State, library: Library, name: str, scene: Scene, *, watch: Watch | None = None) -> MethodRun:
+    """One method's registration of a scene.
+
+    Raises:
+        StateError: the shape is unknown, or the method is not available for it.
+    """
+    return _side(state, library, name, scene, library.method(state, name).register(scene.points, watch=watch))
+
+
+def waiting_side(state: State, library: Library, name: str, scene: Scene, waiting: str) -> MethodRun:
+    """What is shown of a method as long as its registration is not there: the scene where it lies."""
+    start = Trajectory(np.zeros((1, 6)), np.zeros(0), StopReason.MAX_ITERATIONS, np.nan)
+    return _side(state, library, name, scene, start, waiting)
+
+
+def _side(
+    state: State, library: Library, name: str, scene: Scene, trajectory: Trajectory, waiting: str = ""
+) -> MethodRun:
+    method = library.method(state, name)
+    histogram = library.first_histogram(state.shape) if method.maps is None else method.maps.histogram
     poses = trajectory.T_model_scene
-    return MethodRun(method, maps, trajectory, poses, score(scene, poses))
+    return MethodRun(name, method.maps, histogram, trajectory, poses, score(scene, poses), waiting)
 
 
-def bin_order(maps: Maps, order: str) -> np.ndarray:
+def bin_order(histogram: Histogram, order: str) -> np.ndarray:
     """The order in which a histogram's bins are drawn, shape (n_bins,): sides stay together, each ordered within.
 
     Both sides of a block are in the same order of model points, but for the order by reference value.
     """
-    model = maps.histogram.model.points.astype(np.float64)
+    model = histogram.model.points.astype(np.float64)
     n_model = len(model)
-    n_sides = maps.histogram.n_bins // n_model
+    n_sides = histogram.n_bins // n_model
     if order == "reference value":
-        within = np.argsort(maps.histogram.reference.reshape(n_sides, n_model), axis=1, kind="stable")
+        within = np.argsort(histogram.reference.reshape(n_sides, n_model), axis=1, kind="stable")
     else:
         keys = {
             "model index": np.arange(n_model),

@@ -19,8 +19,9 @@ from ido import Perturbation
 from ido_viz.canvas import Canvas
 from ido_viz.controls import Actions, Controls
 from ido_viz.library import Library
+from ido_viz.live import LiveRun
 from ido_viz.panels import Panels
-from ido_viz.run import Run, compute, inputs
+from ido_viz.run import Run
 from ido_viz.state import LAST, State, StateError, decode
 
 FRAME = 1 / 30
@@ -43,7 +44,7 @@ class Session:
         self._dirty = True
         self._closed = False
         self._run: Run | None = None
-        self._run_inputs: tuple[object, ...] | None = None
+        self._live = LiveRun(library, self._wake)
         self._position = float(max(state.iteration, 0))  # the iteration while playing, with its fraction
         self._ticked = time.perf_counter()
         self._thread = threading.Thread(target=self._serve, name=f"session-{client.client_id}", daemon=True)
@@ -56,6 +57,7 @@ class Session:
         """Stop; the thread ends by itself after the frame at work."""
         with self._awake:
             self._closed = True
+            self._live.close()
             self._awake.notify()
 
     # What was asked, by the widgets' callbacks
@@ -73,6 +75,11 @@ class Session:
     def _changed(self) -> None:
         with self._awake:
             self._read_controls = True
+            self._dirty = True
+            self._awake.notify()
+
+    def _wake(self) -> None:
+        with self._awake:
             self._dirty = True
             self._awake.notify()
 
@@ -141,6 +148,7 @@ class Session:
             new_seed=self._new_seed,
             paper_defaults=self._paper_defaults,
             apply_code=self._apply_code,
+            cancel=self._live.cancel,
         )
         with self._client.atomic():
             self._controls = Controls(self._client, self._library, self._state, actions)
@@ -169,7 +177,7 @@ class Session:
         self._dirty = False
         show = self._read() if self._read_controls else False
         state, now = self._state, time.perf_counter()
-        if state.playing and self._run is not None:
+        if state.playing and self._run is not None and not self._live.waiting:  # both panes set out together
             self._position += (now - self._ticked) * state.speed
             state = self._at(state, int(self._position))
             if state.iteration == LAST:
@@ -189,14 +197,14 @@ class Session:
 
     def _frame(self, state: State, show: bool) -> None:
         first = self._run is None
-        if inputs(state) != self._run_inputs:
-            run = compute(state, self._library)
-            with self._awake:
-                self._run, self._run_inputs = run, inputs(state)
-                if first:
-                    self._ticked = time.perf_counter()
-                if self._closed:
-                    return
+        begun = self._live.begin(state)
+        with self._awake:
+            if self._closed:
+                self._live.close()
+                return
+            self._run = self._live.run
+            if first and begun:
+                self._ticked = time.perf_counter()
         assert self._run is not None
         iteration = self._shown(state)
         with self._client.atomic():
@@ -208,6 +216,7 @@ class Session:
             self._canvas.draw(self._run, state, iteration)
             self._panels.draw(self._run, state, iteration)
             self._controls.show_run(self._run, state, iteration)
+            self._controls.show_cancel(self._live.slow)
             if not self._dirty:  # the slider may have been dragged on meanwhile
                 self._controls.show_iteration(self._run, state, iteration)
             if show:

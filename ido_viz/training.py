@@ -11,7 +11,7 @@ from PIL import Image
 from ido import Maps
 from ido_viz import palette
 from ido_viz.charts import Plot, both_methods, caption, method_span, padded, plain_axes
-from ido_viz.heatmaps import png_address
+from ido_viz.heatmaps import no_maps, png_address
 from ido_viz.run import Run
 from ido_viz.state import State
 
@@ -35,18 +35,22 @@ class TrainingCharts:
 
     def draw(self, run: Run, state: State) -> None:
         """Draw the training curves of the shown methods."""
-        look = (id(run.sides[0].maps), id(run.sides[1].maps), state.dark)
+        look = (*((side.method, id(side.maps)) for side in run.sides), state.dark)
         if look == self._look:
             return
         self._look = look
-        self._caption.content = caption(both_methods(run))
+        idle = "".join(no_maps(side, i) for i, side in enumerate(run.sides) if side.maps is None)
+        self._caption.content = caption(both_methods(run)) + idle
         series: list[Any] = [{"label": "maps"}]
         for color, width in zip(
             map(palette.css, palette.METHODS), (4, 1.5), strict=True
         ):  # equal curves stay both seen
             series.append({"stroke": color, "width": width, "points": {"show": False}})
         for name, plot in self._plots.items():
-            curves = [np.log10(np.maximum(getattr(side.maps.curves, name), 1e-12)) for side in run.sides]
+            curves = [
+                np.log10(np.maximum(getattr(side.maps.curves, name), 1e-12)) if side.maps else np.full(2, np.nan)
+                for side in run.sides
+            ]
             length = max(len(values) for values in curves)
             scales = {
                 "x": {"time": False, "auto": False, "range": (0.0, float(length - 1))},
@@ -58,6 +62,7 @@ class TrainingCharts:
             _samples_html(side.maps, f"{method_span(side.method, i)} {part} error of 600 samples", columns)
             for part, columns in (("rotation", slice(3, 6)), ("translation", slice(0, 3)))
             for i, side in enumerate(run.sides)
+            if side.maps
         )
 
 

@@ -56,7 +56,7 @@ def controls_for(server: viser.ViserServer, state: State) -> Controls:
     def nothing(*_: object) -> None:
         pass
 
-    actions = Actions(nothing, nothing, nothing, nothing, nothing, nothing, nothing)
+    actions = Actions(nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing)
     return Controls(cast(viser.ClientHandle, SimpleNamespace(gui=server.gui)), LIBRARY, state, actions)
 
 

@@ -47,6 +47,7 @@ def next_update(side: MethodRun, points: np.ndarray, k: int) -> str:
     """What the readout must say of the next update, computed anew from the histogram."""
     if k == side.trajectory.iterations and side.trajectory.stop == "iteration limit":
         return "–"
+    assert side.maps is not None
     D = side.maps.maps[min(k, len(side.maps.maps) - 1)]
     return f"{np.linalg.norm(D @ side.maps.histogram(points, side.trajectory.x[k])):.4f}"
 

@@ -1,0 +1,101 @@
+"""The run that a page shows: what keeps up with a slider is computed at once, the rest arrives from the background."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+
+from ido_viz.background import Job
+from ido_viz.library import Library
+from ido_viz.run import MethodRun, Run, inputs, make_scene, register_side, waiting_side
+from ido_viz.state import State
+
+_PATIENCE = 0.4  # seconds before cancelling is offered
+
+
+class LiveRun:
+    """The run of the newest inputs that were begun.
+
+    Args:
+        library: the methods.
+        changed: called on other threads when a look at `run` is worth while.
+    """
+
+    def __init__(self, library: Library, changed: Callable[[], None]) -> None:
+        self._library = library
+        self._changed = changed
+        self._lock = threading.Lock()
+        self._run: Run | None = None
+        self._inputs: tuple[object, ...] | None = None
+        self._jobs: dict[int, Job[MethodRun]] = {}  # under way, by side
+
+    @property
+    def run(self) -> Run | None:
+        """With what the background has reached."""
+        with self._lock:
+            for side, job in list(self._jobs.items()):
+                if not job.ended:
+                    self._set(side, waiting=f"computing, iteration {job.iterations}")
+                    continue
+                del self._jobs[side]
+                if job.result is not None:
+                    self._set(side, job.result)
+                else:
+                    error = job.error
+                    self._set(side, waiting=f"failed: {type(error).__name__}: {error}" if error else "cancelled")
+            return self._run
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a side is still to come."""
+        return bool(self._jobs)
+
+    @property
+    def slow(self) -> bool:
+        """Whether a side takes so long that a person may want to cancel it."""
+        return any(job.seconds > _PATIENCE for job in tuple(self._jobs.values()))
+
+    def begin(self, state: State) -> bool:
+        """Compute what is quick and begin what is not; whether the inputs had changed at all.
+
+        Raises:
+            StateError: the shape is unknown, or a method is not available for it.
+        """
+        if inputs(state) == self._inputs:
+            return False
+        scene = make_scene(state, self._library)
+        sides: list[MethodRun] = []
+        jobs: dict[int, Job[MethodRun]] = {}
+        for number, name in enumerate((state.left, state.right)):
+            if self._library.quick(state.shape, name):
+                sides.append(register_side(state, self._library, name, scene))
+                continue
+            sides.append(waiting_side(state, self._library, name, scene, "computing"))
+            jobs[number] = Job(
+                lambda watch, name=name: register_side(state, self._library, name, scene, watch=watch), self._changed
+            )
+        self.close()
+        with self._lock:
+            self._run = Run(self._library.subject(state.shape), scene, (sides[0], sides[1]))
+            self._inputs, self._jobs = inputs(state), jobs
+        return True
+
+    def cancel(self) -> None:
+        """Cancel what is under way; its side says so."""
+        with self._lock:
+            for job in self._jobs.values():
+                job.cancel()
+
+    def close(self) -> None:
+        """Cancel what is under way and forget it."""
+        with self._lock:
+            for job in self._jobs.values():
+                job.cancel()
+            self._jobs = {}
+
+    def _set(self, side: int, result: MethodRun | None = None, *, waiting: str = "") -> None:
+        assert self._run is not None
+        sides = list(self._run.sides)
+        sides[side] = result or replace(sides[side], waiting=waiting)
+        self._run = replace(self._run, sides=(sides[0], sides[1]))
