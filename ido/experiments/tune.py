@@ -24,22 +24,39 @@ from ido.shipped import SHAPES, shipped_cloud, shipped_maps
 SEED = 3_000_000
 """First seed of the scenes to choose by; the reported ones begin at 1,000,000."""
 
-_OUTLIERS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99)
-_SIGMAS = ((0.5, 0.1), (0.5, 0.2), (0.5, 0.2, 0.1), (0.3, 0.1), (0.7, 0.3, 0.15), (1.0, 0.5, 0.2), (2.0, 1.0, 0.5, 0.2))
+_OUTLIERS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.97)
+_STARTS = (1.0, 0.5, 0.3, 0.2)
+_SIGMAS = (
+    (2.0, 1.0, 0.5, 0.2),
+    (1.0, 0.5, 0.2),
+    (0.7, 0.3, 0.15),
+    (0.5, 0.2, 0.1),
+    (0.5, 0.2),
+    (0.5, 0.1),
+    (0.3, 0.1),
+    (0.3, 0.2),
+    (0.2, 0.1),
+)
 
 CANDIDATES: dict[str, tuple[Baseline, ...]] = {
     "ICP": tuple(
         ICP(search=search, cutoff=cutoff)
-        for search, cutoff in product(("scene", "model"), (float("inf"), 1.0, 0.5, 0.3, 0.2, 0.1))
+        for search, cutoff in product(("scene", "model"), (float("inf"), 1.0, 0.5, 0.4, 0.3, 0.2, 0.1))
     ),
-    "CPD": tuple(CPD(normalisation=n, outliers=w) for n, w in product(("each", "together"), _OUTLIERS)),
-    "BCPD": tuple(BCPD(outliers=w, start=start) for w, start in product((0.0, *_OUTLIERS), (1.0, 0.5, 0.3))),
-    "GMMReg": tuple(
-        GMMReg(normalisation=n, sigmas=sigmas, evaluations=(100,) * len(sigmas))
-        for n, sigmas in product(("each", "together"), _SIGMAS)
+    "CPD": (
+        *(CPD(outliers=w) for w in _OUTLIERS),
+        *(CPD(normalisation="together", outliers=w, start=start) for w, start in product((*_OUTLIERS, 0.99), _STARTS)),
+    ),
+    "BCPD": tuple(BCPD(outliers=w, start=start) for w, start in product((0.0, *_OUTLIERS), _STARTS)),
+    "GMMReg": (
+        *(GMMReg(sigmas=sigmas, evaluations=(100,) * len(sigmas)) for sigmas in _SIGMAS),
+        *(GMMReg(normalisation="together", sigmas=s, evaluations=(100,) * len(s)) for s in _SIGMAS),
+        GMMReg(),
     ),
     "KCCE": tuple(
-        KCCE(start=start, end=end) for start, end in product((0.7, 0.5, 0.35, 0.25), (0.2, 0.15, 0.1, 0.07, 0.05))
+        KCCE(start=start, end=end)
+        for start, end in product((0.7, 0.5, 0.35, 0.25, 0.2), (0.2, 0.15, 0.1, 0.07, 0.05))
+        if end <= start
     ),
 }
 """What is tried for each baseline: settings for outliers, units and widths. All else stays as its authors have it."""
