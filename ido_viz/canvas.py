@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import viser
 from scipy.spatial.transform import Rotation
@@ -29,21 +31,23 @@ class Canvas:
         self._panes = [_Pane(scene, side) for side in range(2)]
         self._camera = client.camera
         self._fitted_aspect = 0.0
+        self._fitting = threading.Lock()  # the camera's callbacks overtake each other
         self._camera.on_update(lambda _: self._fit_camera())
         self._fit_camera()
 
     def _fit_camera(self) -> None:
         """Step back so that both panes fit, when the window has been given another shape."""
-        aspect = self._camera.aspect
-        if abs(aspect - self._fitted_aspect) < 0.02 * aspect:
-            return
-        self._fitted_aspect = aspect
-        height = max(_SHOWN_HEIGHT, _SHOWN_WIDTH / aspect * (1.0 if aspect > _PORTRAIT else 1.15))
-        distance = height / 2 / np.tan(self._camera.fov / 2)
-        # on a phone the controls cover the lower part, so the panes move up
-        target = np.array([0.0, 0.0, 0.1 if aspect > _PORTRAIT else -0.27 * height])
-        self._camera.position = target + distance * _VIEW_DIRECTION / np.linalg.norm(_VIEW_DIRECTION)
-        self._camera.look_at = target
+        with self._fitting:
+            aspect = self._camera.aspect
+            if abs(aspect - self._fitted_aspect) < 0.02 * aspect:
+                return
+            self._fitted_aspect = aspect
+            height = max(_SHOWN_HEIGHT, _SHOWN_WIDTH / aspect * (1.0 if aspect > _PORTRAIT else 1.15))
+            distance = height / 2 / np.tan(self._camera.fov / 2)
+            # on a phone the controls cover the lower part, so the panes move up
+            target = np.array([0.0, 0.0, 0.1 if aspect > _PORTRAIT else -0.27 * height])
+            self._camera.position = target + distance * _VIEW_DIRECTION / np.linalg.norm(_VIEW_DIRECTION)
+            self._camera.look_at = target
 
     def draw(self, run: Run, state: State, iteration: int) -> None:
         """Draw both panes after so many iterations."""

@@ -45,6 +45,9 @@ class Actions:
     paper_defaults: Callable[[], None]
     apply_code: Callable[[str], None]
     cancel: Callable[[], None]
+    compare: Callable[[], None]
+    show_method: Callable[[str, str], None]
+    redraw: Callable[[], None]
 
 
 class Controls:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import viser
 
 from ido_viz.charts import ErrorCharts, HistogramChart
+from ido_viz.compare import ComparePanel, Comparison
+from ido_viz.controls import Actions
 from ido_viz.heatmaps import ComparedMaps, Heatmap
 from ido_viz.run import Run
 from ido_viz.state import State
@@ -42,7 +44,7 @@ def _chart_height(window: int) -> int:
 class Panels:
     """Places the panels of one page and draws what they hold."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    def __init__(self, client: viser.ClientHandle, actions: Actions) -> None:
         gui = client.gui
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
@@ -58,6 +60,8 @@ class Panels:
             self._heatmaps = [Heatmap(gui, side) for side in range(2)]
         with bottom.add_tab("Errors"):
             self._errors = ErrorCharts(gui)
+        with bottom.add_tab("Compare"):
+            self._compare = ComparePanel(gui, actions.compare, actions.cancel, actions.show_method, actions.redraw)
         with bottom.add_tab("Maps 1, 15, 30"):
             self._compared = ComparedMaps(gui)
         with bottom.add_tab("Training"):
@@ -66,8 +70,9 @@ class Panels:
         top.set_width(CHARTS_WIDTH)
         bottom.dock_below(top)
 
-    def draw(self, run: Run, state: State, iteration: int) -> None:
+    def draw(self, run: Run, comparison: Comparison, state: State, iteration: int) -> None:
         """Draw everything after so many iterations."""
+        self._compare.draw(comparison, state)
         for chart in self._histograms:
             chart.draw(run, state, iteration)
         for heatmap in self._heatmaps:

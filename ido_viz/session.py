@@ -17,6 +17,7 @@ import viser
 
 from ido import Perturbation
 from ido_viz.canvas import Canvas
+from ido_viz.compare import Comparison
 from ido_viz.controls import Actions, Controls
 from ido_viz.library import Library
 from ido_viz.live import LiveRun
@@ -45,6 +46,7 @@ class Session:
         self._closed = False
         self._run: Run | None = None
         self._live = LiveRun(library, self._wake)
+        self._comparison = Comparison(library, self._wake)
         self._position = float(max(state.iteration, 0))  # the iteration while playing, with its fraction
         self._ticked = time.perf_counter()
         self._thread = threading.Thread(target=self._serve, name=f"session-{client.client_id}", daemon=True)
@@ -58,6 +60,7 @@ class Session:
         with self._awake:
             self._closed = True
             self._live.close()
+            self._comparison.cancel()
             self._awake.notify()
 
     # What was asked, by the widgets' callbacks
@@ -82,6 +85,25 @@ class Session:
         with self._awake:
             self._dirty = True
             self._awake.notify()
+
+    def _cancel(self) -> None:
+        self._live.cancel()
+        self._comparison.cancel()
+
+    def _compare(self) -> None:
+        with self._awake:
+            if self._read_controls:
+                self._read()
+            self._comparison.begin(self._state)
+        self._wake()
+
+    def _show_method(self, method: str, pane: str) -> None:
+        def placed(state: State) -> State:
+            if method not in self._library.methods(state.shape):  # of a shape shown before
+                return state
+            return replace(state, left=method) if pane == "left" else replace(state, right=method)
+
+        self._change(placed, show=True)
 
     def _play(self) -> None:
         def toggled(state: State) -> State:
@@ -148,11 +170,14 @@ class Session:
             new_seed=self._new_seed,
             paper_defaults=self._paper_defaults,
             apply_code=self._apply_code,
-            cancel=self._live.cancel,
+            cancel=self._cancel,
+            compare=self._compare,
+            show_method=self._show_method,
+            redraw=self._wake,
         )
         with self._client.atomic():
             self._controls = Controls(self._client, self._library, self._state, actions)
-            self._panels = Panels(self._client)
+            self._panels = Panels(self._client, actions)
             self._canvas = Canvas(self._client)
         self._theme: bool | None = None
         while True:
@@ -214,7 +239,7 @@ class Session:
                 )
                 self._theme = state.dark
             self._canvas.draw(self._run, state, iteration)
-            self._panels.draw(self._run, state, iteration)
+            self._panels.draw(self._run, self._comparison, state, iteration)
             self._controls.show_run(self._run, state, iteration)
             self._controls.show_cancel(self._live.slow)
             if not self._dirty:  # the slider may have been dragged on meanwhile

@@ -122,10 +122,10 @@ class WidgetsOfTab:
 class Nothing:
     """Stands for the panels and the canvas."""
 
-    def __init__(self, tab: Tab) -> None:
+    def __init__(self, *_: object) -> None:
         pass
 
-    def draw(self, run: Run, state: State, iteration: int) -> None:
+    def draw(self, *_: object) -> None:
         pass
 
 

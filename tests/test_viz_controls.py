@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -56,7 +56,7 @@ def controls_for(server: viser.ViserServer, state: State) -> Controls:
     def nothing(*_: object) -> None:
         pass
 
-    actions = Actions(nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing)
+    actions = Actions(*[nothing] * len(fields(Actions)))
     return Controls(cast(viser.ClientHandle, SimpleNamespace(gui=server.gui)), LIBRARY, state, actions)
 
 
