@@ -1,4 +1,4 @@
-"""The command line: `ido train`, `ido register` and `ido sweep`."""
+"""The command line: `ido train`, `ido register`, `ido sweep` and `ido experiment`."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 from tyro.conf import Positional, arg
+from tyro.extras import SubcommandApp
 
 from ido.clouds import Cloud, Model, Orientation, load_cloud, save_cloud
 from ido.experiments import LEVELS, mean_and_interval, sweep
+from ido.experiments.commands import app as experiments
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps, TrainingSettings
 from ido.perturbation import OutlierKind, Perturbation
@@ -51,12 +53,14 @@ MAPS_HELP = f"made by `ido train`, or shipped ones by name: {', '.join(_SHIPPED_
 
 def main(args: Sequence[str] | None = None) -> int | None:
     """Run a command; the exit code is 2 for an error, 130 after Ctrl-C."""
-    commands = {"train": train_command, "register": register_command, "sweep": sweep_command}
+    app = SubcommandApp()
+    app.command(name="train")(train_command)
+    app.command(name="register")(register_command)
+    app.command(name="sweep")(sweep_command)
+    app.command(experiments, name="experiment", help="Compare every method with the others and with the paper.")
     description = "Register 3D point clouds with Discriminative Optimization (DO) and Improved DO."
     try:
-        return tyro.extras.subcommand_cli_from_dict(
-            commands, prog="ido", description=description, args=args, config=(tyro.conf.DisallowNone,)
-        )
+        return app.cli(prog="ido", description=description, args=args, config=(tyro.conf.DisallowNone,))
     except KeyboardInterrupt:
         return _interrupted()
     except ImportError as error:

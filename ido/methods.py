@@ -23,10 +23,10 @@ LEARNED: dict[str, str] = {
 
 _TUNED: tuple[Baseline, ...] = (
     ICP(cutoff=0.3),
-    CPD(normalisation="together", outliers=0.9),
-    BCPD(outliers=0.5),
-    GMMReg(normalisation="together"),
-    KCCE(),
+    CPD(normalisation="together", start=0.1, outliers=0.9),
+    BCPD(start=0.2, outliers=0.3),
+    GMMReg(normalisation="together", sigmas=(0.2, 0.1), evaluations=(100, 100)),
+    KCCE(start=0.25),
 )
 
 BASELINES: dict[str, Baseline] = {

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from ido.clouds import Cloud, Orientation, load_cloud
+from ido.experiments.results import Results
 from ido.maps import Maps
 from ido.perturbation import OutlierKind
 
@@ -50,3 +51,9 @@ def shipped_cloud(shape: str) -> Cloud:
 def shipped_maps(shape: str, histogram: str) -> Maps:
     """Shipped maps by the names of their shape and histogram."""
     return Maps.load(_asset(f"{shape}-{histogram}.npz"))
+
+
+@cache
+def shipped_results() -> Results:
+    """What `ido experiment run paper` found when it was run for this version."""
+    return Results.load(_asset("results.npz"))

@@ -14,8 +14,8 @@ from ido_viz import palette
 from ido_viz.run import MethodRun, Run
 from ido_viz.state import State
 
-_PANE_OFFSET = 1.3  # of each pane's centre from the middle, model units
-_SHOWN_WIDTH = 5.6  # of both panes, and their height: the camera steps back until they fit
+_PANE_OFFSET = 1.5  # of each pane's centre from the middle, model units
+_SHOWN_WIDTH = 6.0  # of both panes, and their height: the camera steps back until they fit
 _SHOWN_HEIGHT = 3.6
 _PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
 _NO_TRAIL = np.zeros((1, 2, 3), dtype=np.float32)

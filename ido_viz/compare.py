@@ -162,7 +162,9 @@ def label(row: Row) -> str:
     return f"{name:<26}{row.accuracy:6.3f}{row.rmse:7.3f}{1e3 * row.seconds:6.0f}{row.iterations:5d}"
 
 
-_COLUMNS = f"{'':<26}{'Acc':>6}{'RMSE':>7}{'ms':>6}{'its':>5}"
+COLUMNS = f"{'':<26}{'Acc':>6}{'RMSE':>7}{'ms':>6}{'its':>5}"
+"""Heads of the columns; its stands for iterations."""
+
 _STYLE = (  # the rows of a table, out of buttons
     "<style>div:has(.ido-rows) ~ div .mantine-Button-label{font:10.5px monospace;white-space:pre}"
     "div:has(.ido-rows) ~ div div:has(> .mantine-Button-root){padding-bottom:0!important}"
@@ -180,6 +182,6 @@ def head_html(done: int, total: int, running: bool, fits: bool) -> str:
     if not fits:
         text += ". The scene has changed since: compare again."
     return (
-        f'{_STYLE}<div class="ido-rows" style="margin:0 8px;font-size:12px">{html.escape(text)}'
-        f'<div style="font:10.5px monospace;white-space:pre;text-align:center;margin-top:4px">{_COLUMNS}</div></div>'
+        f'{_STYLE}<div class="ido-rows" style="margin:0 8px;font-size:12px"><div>{html.escape(text)}</div>'
+        f'<div style="font:10.5px monospace;white-space:pre;text-align:center;margin-top:4px">{COLUMNS}</div></div>'
     )

@@ -92,7 +92,7 @@ def heatmap_html(maps: Maps, number: int, order: str, title: str) -> str:
         for i, name in enumerate(names)
     )
     return (
-        caption(f'{title}<span style="float:right">±{scale:.2g}</span>')
+        caption(f'{title}<span style="float:right">-{scale:.2g} {_KEY} {scale:.2g}</span>')
         + f'<div style="display:flex;margin:2px 8px 0 8px;font-size:10px;line-height:{_ROW}px">'
         f'<div style="width:20px">{rows}</div>'
         f'<img alt="heatmap of the map" src="{source}" style="width:calc(100% - 20px);height:{6 * _ROW}px;'
@@ -128,3 +128,8 @@ def _diverging() -> np.ndarray:
 
 
 _DIVERGING = _diverging()
+_KEY = (
+    '<span style="display:inline-block;width:44px;height:8px;background:linear-gradient(to right,'
+    + ",".join(palette.css((int(r), int(g), int(b))) for r, g, b in _DIVERGING[::51])
+    + ')"></span>'
+)

@@ -16,6 +16,7 @@ from ido.experiments import commands
 from ido.experiments.run import Experiment, run_chunk
 from ido.experiments.store import Row, Store
 
+dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
 
 SMALL = ("--datasets", "bunny", "--sweeps", "points", "outliers", "--methods", "DO", "ICP, default", "--scenes", "4")
@@ -64,7 +65,7 @@ def test_a_killed_worker_loses_nothing_and_nothing_is_recorded_twice(
 
 def test_no_cluster_at_an_address_is_one_clear_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
     path = tmp_path / "a.sqlite"
-    with distributed.config_context if False else __import__("dask").config.set({"distributed.comm.timeouts.connect": "1s"}):
+    with dask.config.set({"distributed.comm.timeouts.connect": "1s"}):
         assert cli.main(["experiment", "run", "--dask", "tcp://127.0.0.1:1", "-o", str(path)]) == 2
     said = capfd.readouterr().err
     assert "error: " in said

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
@@ -22,6 +24,7 @@ from ido.experiments import LEVELS, commands, level_scene
 from ido.experiments import run as engine
 from ido.experiments.run import FAILED, METHODS, Chunk, Experiment, run, run_chunk
 from ido.experiments.store import Row, Store
+from ido.experiments.workers import local_executor
 from ido.methods import method_names, shipped_method
 
 SMALL = ("--sweeps", "points", "--methods", "DO", "ICP, default", "--scenes", "3")
@@ -84,7 +87,6 @@ def keys_of(chunk: Chunk) -> list[tuple[Any, ...]]:
 
 def test_only_what_is_not_recorded_is_planned():
     whole = Experiment(sweeps=("noise",), methods=("DO",), scenes=23)
-    recorded = set(np.random.default_rng(0).permutation(np.array(whole.keys, dtype=object))[:150].tolist() and [])
     rng = np.random.default_rng(0)
     recorded = {key for key in whole.keys if rng.random() < 0.5}
     planned = [key for chunk in whole.missing(recorded) for key in keys_of(chunk)]
@@ -94,7 +96,11 @@ def test_only_what_is_not_recorded_is_planned():
 
 def test_fewer_scenes_are_the_first_of_more_and_all_methods_meet_the_same():
     few, more = (
-        {row[:6] for c in Experiment(sweeps=("incomplete",), methods=methods, scenes=n).missing(()) for row in run_chunk(c)}
+        {
+            row[:6]
+            for c in Experiment(sweeps=("incomplete",), methods=methods, scenes=n).missing(())
+            for row in run_chunk(c)
+        }
         for methods, n in ((("Did nothing",), 2), (("Did nothing", "DO"), 4))
     )
     assert few == {row for row in more if row[1] == "Did nothing" and row[4] < 2}
@@ -122,11 +128,11 @@ def test_seconds_are_those_of_the_registration_alone_and_without_the_first(monke
 
     def slow_at_first(points: Any) -> Any:
         calls.append(len(points))
-        time.sleep(0.3 if len(calls) == 1 else 0.02)
+        time.sleep(0.4 if len(calls) == 1 else 0.02)
         return real.register(points)
 
     def slow_scene(*args: Any) -> Any:
-        time.sleep(0.1)
+        time.sleep(0.2)
         return perturb(*args)
 
     monkeypatch.setattr(engine, "shipped_method", lambda *_: replace(real, register=slow_at_first))
@@ -135,14 +141,14 @@ def test_seconds_are_those_of_the_registration_alone_and_without_the_first(monke
     rows = run_chunk(Chunk("bunny", "Did nothing", "noise", 0.0, (0, 1, 2), 0))
     engine._warm.cache_clear()
     assert len(calls) == 4
-    assert all(0.02 <= row.seconds < 0.1 for row in rows)
+    assert all(0.02 <= row.seconds < 0.2 for row in rows)
 
 
 def test_a_method_that_fails_is_recorded_as_such_and_the_run_goes_on(monkeypatch: pytest.MonkeyPatch):
     real = shipped_method("bunny", "Did nothing")
 
     def fails_on_large_scenes(points: Any) -> Any:
-        if len(points) > 1000:
+        if len(points) >= 1000:
             raise ValueError("too many points")
         return real.register(points)
 
@@ -156,7 +162,7 @@ def test_a_method_that_fails_is_recorded_as_such_and_the_run_goes_on(monkeypatch
     assert all(row.accuracy == 0 and np.isnan(row[7:10]).all() and row.seconds > 0 for row in rows[4:])
 
 
-@pytest.mark.parametrize("in_flight", [1, 5, 1000])
+@pytest.mark.parametrize("in_flight", [2, 1000])
 def test_threads_find_the_same_and_few_chunks_are_in_flight(in_flight: int, expected: set[tuple[Any, ...]]):
     rows: list[Row] = []
     submitted = 0
@@ -256,7 +262,7 @@ def test_a_lost_worker_is_one_clear_line(
     use(monkeypatch, Here(4, lost))
     assert cli.main(["experiment", "run", *SMALL, "-o", str(path)]) == 2
     said = capfd.readouterr().err
-    assert "error: A process was terminated. what is done is kept" in said.lower() or "kept in" in said
+    assert f"error: A process was terminated; what is done is kept in {path}; the same command goes on" in said
     assert "Traceback" not in said
     assert len(rows_of(path)) == 4 * 3
 
@@ -333,23 +339,19 @@ def test_a_file_of_other_settings_is_refused(tmp_path: Path, monkeypatch: pytest
     assert "Choose another file" in said
 
 
-def test_workers_have_one_thread_each_and_this_process_keeps_its_own(monkeypatch: pytest.MonkeyPatch):
-    from ido.experiments.workers import local_executor
-
+def test_workers_compute_in_one_thread_and_this_process_keeps_its_own_number(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     with local_executor(1) as (executor, _):
-        theirs = executor.submit(_threads).result()
-    assert theirs == ("1", "1", 1)
-    assert _threads()[:2] == ("7", None)
+        assert executor.submit(threads_of_libraries).result() == 0
+    assert os.environ["OMP_NUM_THREADS"] == "7"
+    assert "OPENBLAS_NUM_THREADS" not in os.environ
 
 
-def _threads() -> tuple[str | None, str | None, int]:
-    import os
-
-    import numba
-
-    return os.environ.get("OMP_NUM_THREADS"), os.environ.get("OPENBLAS_NUM_THREADS"), numba.config.NUMBA_NUM_THREADS  # pyright: ignore
+def threads_of_libraries() -> int:
+    """Threads of this process that Python did not start, after a multiplication that is worth many."""
+    assert (np.ones((600, 600)) @ np.ones((600, 600)))[0, 0] == 600
+    return psutil.Process().num_threads() - threading.active_count()
 
 
 def test_help_lists_the_command_and_explains_every_option(capfd: pytest.CaptureFixture[str]):

@@ -76,6 +76,17 @@ def test_what_is_appended_can_be_read_at_once_and_a_second_run_is_refused(tmp_pa
     write(path, row(trial=4))  # and the lock ends with its run
 
 
+def test_a_reader_in_the_midst_of_reading_holds_nobody_up(tmp_path: Path):
+    path = tmp_path / "a.sqlite"
+    write(path, *(row(trial=trial) for trial in range(5)))
+    reader = sqlite3.connect(path, isolation_level=None)
+    reader.execute("BEGIN")
+    assert reader.execute("SELECT count(*) FROM registrations").fetchone() == (5,)
+    write(path, row(trial=5))
+    assert reader.execute("SELECT count(*) FROM registrations").fetchone() == (5,)  # as it was when it began
+    reader.close()
+
+
 def test_what_is_appended_survives_a_process_that_ends_without_closing(tmp_path: Path):
     path = tmp_path / "a.sqlite"
     program = """

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import zipfile
 from dataclasses import dataclass, fields
+from pathlib import Path
 
 import numpy as np
 
 from ido.types import FloatArray
+
+_TEXT = ("dataset", "method", "sweep", "stop")
+_SMALL = {"trial": np.int16, "iterations": np.int16, "seed": np.int64}  # in a file; all other numbers are float32
+
+
+class ResultsError(ValueError):
+    """A results file cannot be used; the message says why."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,3 +61,40 @@ class Results:
         for name, value in equal.items():
             chosen &= getattr(self, name) == value
         return Results(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+    def save(self, path: str | Path) -> None:
+        """Write a compressed .npz, without pickles, scores rounded to float32."""
+        arrays: dict[str, np.ndarray] = {}
+        for field in fields(self):
+            column = getattr(self, field.name)
+            if field.name in _TEXT:
+                names, codes = np.unique(column, return_inverse=True)
+                arrays[f"{field.name}_names"], arrays[field.name] = names.astype(str), codes.astype(np.uint8)
+            else:
+                arrays[field.name] = column.astype(_SMALL.get(field.name, np.float32))
+        np.savez_compressed(Path(path), allow_pickle=False, **arrays)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Results:
+        """Read a file that `save` wrote.
+
+        Raises:
+            ResultsError: missing, damaged or foreign file.
+        """
+        path = Path(path)
+        if not path.is_file():
+            raise ResultsError(f"{path}: no such file")
+        if not zipfile.is_zipfile(path):
+            raise ResultsError(f"{path.name}: not a results file, or cut off")
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                return cls(*(_column(file, field.name) for field in fields(cls)))
+        except Exception as error:  # zlib, zipfile and NumPy each raise their own
+            raise ResultsError(f"{path.name}: damaged, or not a results file ({error})") from error
+
+
+def _column(file: np.lib.npyio.NpzFile, name: str) -> np.ndarray:
+    column = file[name]
+    if name in _TEXT:
+        return file[f"{name}_names"][column]
+    return column.astype(np.int64 if name in _SMALL else np.float64)

@@ -25,7 +25,7 @@ SEED = 3_000_000
 """First seed of the scenes to choose by; the reported ones begin at 1,000,000."""
 
 _OUTLIERS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.97)
-_STARTS = (1.0, 0.5, 0.3, 0.2)
+_STARTS = (1.0, 0.5, 0.3, 0.2, 0.15, 0.1)
 _SIGMAS = (
     (2.0, 1.0, 0.5, 0.2),
     (1.0, 0.5, 0.2),

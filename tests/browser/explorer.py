@@ -45,9 +45,11 @@ def independent_run(state: State) -> Run:
 
 def next_update(side: MethodRun, points: np.ndarray, k: int) -> str:
     """What the readout must say of the next update, computed anew from the histogram."""
-    if k == side.trajectory.iterations and side.trajectory.stop == "iteration limit":
+    at_end = k == side.trajectory.iterations
+    if at_end and (side.maps is None or side.trajectory.stop == "iteration limit"):
         return "–"
-    assert side.maps is not None
+    if side.maps is None:
+        return f"{side.trajectory.update_norms[k]:.4f}"
     D = side.maps.maps[min(k, len(side.maps.maps) - 1)]
     return f"{np.linalg.norm(D @ side.maps.histogram(points, side.trajectory.x[k])):.4f}"
 

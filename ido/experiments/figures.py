@@ -1,0 +1,77 @@
+"""What all figures of the report share: their size, type and lines, and how they are written."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+INK = "#333333"
+FAINT = "#9a9a9a"
+
+WIDTH = 12.0
+"""Of every figure, inches; type is set so that it reads well on a screen and when printed at two thirds."""
+
+_DOTS_PER_INCH = 170
+
+_STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",  # ships with Matplotlib: the same picture on every machine
+    "font.size": 12,
+    "axes.titlesize": 12.5,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 12,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.8,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "text.color": INK,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "svg.hashsalt": "ido",  # the same figure gives the same file
+}
+
+styled = matplotlib.rc_context(_STYLE)
+"""Decorates a function that draws or writes a figure."""
+
+
+@styled
+def grid_of_axes(rows: int, columns: int, height: float, **options: Any) -> tuple[Figure, list[list[Axes]]]:
+    """A figure as wide as the page, so many inches high, and its axes, row by row."""
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, **options)
+    return figure, axes.tolist()
+
+
+def lettered(index: int, title: str) -> str:
+    """The title of a figure's panel: (a), (b), ..."""
+    return f"({'abcdefghijklmnopqrstuvwxyz'[index]}) {title}"
+
+
+@styled
+def write_figure(figure: Figure, path: Path) -> bytes:
+    """Write a figure as .svg and .png, `path` being without either; returns the SVG.
+
+    It has no date. Its text is outlines, so that no font needs to be there.
+    """
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # laid out once, not for each file
+    svg = _written(figure, "svg", metadata={"Date": None})
+    path.with_suffix(".svg").write_bytes(svg)
+    path.with_suffix(".png").write_bytes(_written(figure, "png"))
+    return svg
+
+
+def _written(figure: Figure, kind: str, **options: Any) -> bytes:
+    stream = io.BytesIO()
+    figure.savefig(stream, format=kind, dpi=_DOTS_PER_INCH, **options)
+    return stream.getvalue()
