@@ -1,16 +1,18 @@
 """Discriminative Optimization (DO) and Improved DO for rigid registration of 3D point clouds.
 
 In the order of the paper: a cloud, a perturbation that makes a scene of it, a histogram that describes the scene at a
-pose, training that turns many scenes into maps, registration that walks the maps, and scores.
+pose, training that turns many scenes into maps, registration that walks the maps, scores, and the methods it is
+compared with.
 """
 
 from ido.clouds import Cloud, CloudError, Model, load_cloud
 from ido.histograms import HISTOGRAMS, AsPrinted, FrontBack, Histogram, SceneBatch, TripleBinary
 from ido.maps import Maps, MapsError, TrainingCurves, TrainingSettings
+from ido.methods import Method, method_names, shipped_method
 from ido.perturbation import RANGES, Perturbation, Scene, perturb
 from ido.registration import StopReason, Trajectory, register, register_batch
 from ido.scores import Scores, score
-from ido.shipped import SHAPES, shipped_cloud, shipped_maps
+from ido.shipped import SHAPES, shipped_cloud, shipped_maps, shipped_results
 from ido.training import train
 
 __all__ = [
@@ -24,6 +26,7 @@ __all__ = [
     "Histogram",
     "Maps",
     "MapsError",
+    "Method",
     "Model",
     "Perturbation",
     "Scene",
@@ -35,11 +38,14 @@ __all__ = [
     "Trajectory",
     "TripleBinary",
     "load_cloud",
+    "method_names",
     "perturb",
     "register",
     "register_batch",
     "score",
     "shipped_cloud",
     "shipped_maps",
+    "shipped_method",
+    "shipped_results",
     "train",
 ]

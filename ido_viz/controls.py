@@ -17,6 +17,7 @@ from ido_viz import palette
 from ido_viz.library import Library
 from ido_viz.run import MethodRun, Run, norms
 from ido_viz.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, State, encode
+from ido_viz.sweeps import Choice
 
 _STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
 _HINTS = {
@@ -47,6 +48,7 @@ class Actions:
     cancel: Callable[[], None]
     compare: Callable[[], None]
     show_method: Callable[[str, str], None]
+    open_scene: Callable[[Choice], None]
     redraw: Callable[[], None]
 
 

@@ -10,6 +10,7 @@ from ido_viz.controls import Actions
 from ido_viz.heatmaps import ComparedMaps, Heatmap
 from ido_viz.run import Run
 from ido_viz.state import State
+from ido_viz.sweeps import SweepPanel
 from ido_viz.training import TrainingCharts
 
 CONTROLS_WIDTH = 300
@@ -53,6 +54,8 @@ class Panels:
         with top.add_tab("Histograms", viser.Icon.CHART_HISTOGRAM):
             height = _chart_height(client.camera.image_height)
             self._histograms = [HistogramChart(gui, side, height) for side in range(2)]
+        with top.add_tab("Training"):
+            self._training = TrainingCharts(gui)
         with top.add_tab("What is this?", viser.Icon.HELP):
             gui.add_markdown(_HELP)
         bottom = gui.add_panel(order=1)
@@ -62,10 +65,10 @@ class Panels:
             self._errors = ErrorCharts(gui)
         with bottom.add_tab("Compare"):
             self._compare = ComparePanel(gui, actions.compare, actions.cancel, actions.show_method, actions.redraw)
+        with bottom.add_tab("Sweeps"):
+            self._sweeps = SweepPanel(gui, actions.open_scene, actions.redraw)
         with bottom.add_tab("Maps 1, 15, 30"):
             self._compared = ComparedMaps(gui)
-        with bottom.add_tab("Training"):
-            self._training = TrainingCharts(gui)
         top.dock_right()
         top.set_width(CHARTS_WIDTH)
         bottom.dock_below(top)
@@ -73,6 +76,7 @@ class Panels:
     def draw(self, run: Run, comparison: Comparison, state: State, iteration: int) -> None:
         """Draw everything after so many iterations."""
         self._compare.draw(comparison, state)
+        self._sweeps.draw(state)
         for chart in self._histograms:
             chart.draw(run, state, iteration)
         for heatmap in self._heatmaps:

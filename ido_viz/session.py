@@ -24,6 +24,7 @@ from ido_viz.live import LiveRun
 from ido_viz.panels import Panels
 from ido_viz.run import Run
 from ido_viz.state import LAST, State, StateError, decode
+from ido_viz.sweeps import Choice
 
 FRAME = 1 / 30
 """Seconds between frames while playing."""
@@ -105,6 +106,9 @@ class Session:
 
         self._change(placed, show=True)
 
+    def _open_scene(self, choice: Choice) -> None:
+        self._change(lambda state: choice.at(state), show=True)
+
     def _play(self) -> None:
         def toggled(state: State) -> State:
             if state.playing:
@@ -173,6 +177,7 @@ class Session:
             cancel=self._cancel,
             compare=self._compare,
             show_method=self._show_method,
+            open_scene=self._open_scene,
             redraw=self._wake,
         )
         with self._client.atomic():

@@ -13,7 +13,9 @@ import viser
 from ido import Perturbation
 from ido.baselines import Nothing
 from ido.experiments import LEVELS, Results, level_scene
+from ido.experiments.results import ResultsError
 from ido.experiments.run import MOST_SCENES, SEED
+from ido.methods import method_names
 from ido.shipped import SHAPES, shipped_results
 from ido_viz import palette
 from ido_viz.charts import Plot, caption, plain_axes
@@ -41,11 +43,11 @@ class Choice:
     def at(self, state: State) -> State:
         """The state that shows it, at its end, in the right pane."""
         base = Perturbation(outlier_kind=SHAPES[self.shape].outlier_kind)
-        default = State()
+        others = (state.left, State().left, State().right)
         return State(
             shape=self.shape,
             perturbation=level_scene(base, self.sweep, self.level, self.trial, MOST_SCENES, SEED),
-            left=state.left if state.left != self.method else default.left,
+            left=next(method for method in others if method != self.method and method in method_names(self.shape)),
             right=self.method,
             iteration=LAST,
             playing=False,
@@ -80,10 +82,15 @@ class SweepPanel:
         look = self._looks(state)
         if look == self._look:
             return
-        results = shipped_results()
+        try:
+            results = shipped_results()
+        except ResultsError as error:  # the rest of the page does without them
+            self._legend.content = caption(html.escape(f"The results cannot be read: {error}"))
+            return
         rows = results.where(dataset=state.shape, sweep=self._sweep.value)
         self._shape, self._rows = state.shape, rows
-        methods = tuple(dict.fromkeys(rows.method.tolist()))
+        found = set(rows.method.tolist())
+        methods = tuple(method for method in method_names(state.shape) if method in found) if found else ()
         if not methods:
             self._legend.content = caption("There are no shipped results for this shape.")
             return
