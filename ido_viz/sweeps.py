@@ -82,6 +82,7 @@ class SweepPanel:
         look = self._looks(state)
         if look == self._look:
             return
+        self._look = look
         try:
             results = shipped_results()
         except ResultsError as error:  # the rest of the page does without them

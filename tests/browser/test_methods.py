@@ -50,3 +50,21 @@ def table(explorer: Explorer) -> list[str]:
     """The rows of the comparison, from top to bottom."""
     texts = explorer.page.get_by_role("button").all_inner_texts()
     return [text for text in texts if len(text) == len(COLUMNS) and text.split()[-1].isdigit()]
+
+
+def test_a_scene_of_the_shipped_results_is_opened(explorer: Explorer):
+    explorer.open_tab("Sweeps")
+    explorer.choose("Sweep", "rotation")
+    before = explorer.chart_picture(2)
+    explorer.choose("Method", "Improved DO")
+    explorer.choose("Level", "180")
+    explorer.choose("Score", "PointRMSE")
+    explorer.wait_until("another score's curves", lambda: explorer.chart_picture(2) != before)
+    explorer.wait_until("its scenes", lambda: "PointAcc" in explorer.field("Scene").input_value())
+    scene = explorer.field("Scene").input_value()
+    explorer.press("Open this scene")
+    explorer.wait_until("the scene", lambda: explorer.state().perturbation.rotation == 180)
+    state = explorer.expect_to_agree()
+    accuracy = explorer.numbers()["PointAcc"][1]
+    assert state.right == "Improved DO"
+    assert abs(float(accuracy) - float(scene.split()[-1].rstrip(")"))) <= 0.02
