@@ -18,12 +18,12 @@ import numpy as np
 import tyro
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 from tyro.conf import Positional, arg
 from tyro.extras import SubcommandApp
 
 from ido.clouds import Cloud, Model, Orientation, load_cloud, save_cloud
+from ido.console import note, progress_bar
 from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.experiments.commands import app as experiments
 from ido.histograms import HISTOGRAMS
@@ -68,12 +68,12 @@ def main(args: Sequence[str] | None = None) -> int | None:
             return _interrupted()
         raise
     except OSError as error:
-        _note(f"[bold red]error:[/] {escape(f'{error.filename}: {error.strerror}' if error.filename else str(error))}")
+        note(f"[bold red]error:[/] {escape(f'{error.filename}: {error.strerror}' if error.filename else str(error))}")
     except MemoryError as error:
-        _note(f"[bold red]error:[/] not enough memory; {escape(str(error))}")
+        note(f"[bold red]error:[/] not enough memory; {escape(str(error))}")
     except (ValueError, BrokenExecutor) as error:
         message = " ".join(str(error).split())  # readers of foreign files write several lines
-        _note(f"[bold red]error:[/] {escape(message)}")
+        note(f"[bold red]error:[/] {escape(message)}")
     return 2
 
 
@@ -116,7 +116,7 @@ def train_command(
     normalised = Cloud.of(_points_of(cloud))
     feature = HISTOGRAMS[histogram](Model.of(normalised, orientation=orientation))
     began = time.monotonic()
-    with pool as executor, _progress("{task.completed} of {task.total} maps") as progress:
+    with pool as executor, progress_bar("{task.completed} of {task.total} maps", "{task.description}") as progress:
         task = progress.add_task(f"drawing {samples:,} scenes", total=maps)
 
         def show(done: int, error: float) -> None:
@@ -127,15 +127,15 @@ def train_command(
                 warnings.filterwarnings("ignore", ".*Theorem 1")  # told below
                 trained = train(normalised, feature, settings, progress=show, executor=executor)
         except KeyboardInterrupt:
-            _note("interrupted before the first map was finished; nothing was written")
+            note("interrupted before the first map was finished; nothing was written")
             return 130
         finally:
             if executor:
                 executor.shutdown(cancel_futures=True)
     trained.save(output)
     for line in training_summary(trained, time.monotonic() - began):
-        _note(line)
-    _note(f"written to {escape(str(output))}")
+        note(line)
+    note(f"written to {escape(str(output))}")
     return None if trained.complete else 130
 
 
@@ -181,7 +181,7 @@ def register_command(
             raise ValueError(f"{moved}: this is the cloud itself; write the moved one elsewhere")
     original, trained = _points_of(cloud), _maps_of(maps)
     for doubt in doubts(trained, original, start):
-        _note(f"[bold yellow]warning:[/] {escape(doubt)}")
+        note(f"[bold yellow]warning:[/] {escape(doubt)}")
     T_model_scene, track = register_original(
         trained, original, start=start, epsilon=epsilon, max_iterations=max_iterations
     )
@@ -229,7 +229,7 @@ def sweep_command(
     methods = {name: _maps_of(name) for name in maps}
     clouds = {name: cloud_of_maps(trained, original) for name, trained in methods.items()}
     table = Table("sweep", *map(escape, methods), title=f"mean PointAcc ± 95% (PointRMSE), {scenes} scenes a level")
-    with _progress("{task.completed} of {task.total} sweeps") as progress:
+    with progress_bar("{task.completed} of {task.total} sweeps", "{task.description}") as progress:
         task = progress.add_task("", total=len(sweeps) * len(methods))
         for sweep_name in sweeps:
             row = [sweep_name]
@@ -309,23 +309,6 @@ def training_summary(maps: Maps, seconds: float) -> list[str]:
     return lines
 
 
-def _progress(count: str) -> Progress:
-    return Progress(
-        TextColumn(count),
-        BarColumn(),
-        TextColumn("{task.description}"),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        TextColumn("left"),
-        console=Console(stderr=True),
-        speed_estimate_period=3600,
-    )
-
-
 def _interrupted() -> int:
-    _note("interrupted; nothing was written")
+    note("interrupted; nothing was written")
     return 130
-
-
-def _note(markup: str) -> None:
-    Console(stderr=True).print(markup, soft_wrap=True, highlight=False)

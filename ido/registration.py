@@ -29,6 +29,8 @@ class StopReason(StrEnum):
     CONVERGED = "converged"
     MAX_ITERATIONS = "iteration limit"
     DIVERGED = "diverged"
+    NOTHING_NEAR = "nothing near"
+    """No scene point that a baseline could match."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +47,7 @@ class Trajectory:
     update_norms: FloatArray
     stop: StopReason
     last_norm: float
-    """‖Δx‖ of the update that was not made any more; NaN at the iteration limit."""
+    """‖Δx‖ of the update that was not made any more; NaN where none was computed, as by baselines."""
 
     @property
     def iterations(self) -> int:

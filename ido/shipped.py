@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 
 from ido.clouds import Cloud, Orientation, load_cloud
-from ido.experiments.results import Results
 from ido.maps import Maps
 from ido.perturbation import OutlierKind
+from ido.results import Results
 
 
 @dataclass(frozen=True, slots=True)

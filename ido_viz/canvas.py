@@ -8,7 +8,7 @@ import numpy as np
 import viser
 from scipy.spatial.transform import Rotation
 
-from ido import poses
+from ido import Scene, Trajectory, poses
 from ido.types import FloatArray
 from ido_viz import palette
 from ido_viz.run import MethodRun, Run
@@ -77,7 +77,7 @@ class _Pane:
         self._outliers = scene.add_point_cloud(
             f"{root}/scene/outliers", nothing, palette.OUTLIER, point_size=0.014, point_shape="circle"
         )
-        self._run: Run | None = None
+        self._drawn: tuple[Scene, Trajectory] | None = None
         self._look: tuple[object, ...] | None = None
 
     def draw(self, run: Run, side: MethodRun, state: State, iteration: int) -> None:
@@ -88,7 +88,7 @@ class _Pane:
             self._model.points = model
             self._model.colors = _model_colors(model @ np.array(run.subject.up), state.dark)
             self._look = look
-        if run is not self._run:
+        if (run.scene, side.trajectory) != self._drawn:
             scene = run.scene
             true_points = scene.points[~scene.is_outlier]
             self._points.points = true_points
@@ -98,7 +98,7 @@ class _Pane:
             middle = true_points.mean(axis=0)
             track = (poses.transform(side.T_model_scene, middle[None])[:, 0]).astype(np.float32)
             self._trail.points = np.stack([track[:-1], track[1:]], axis=1) if len(track) > 1 else _NO_TRAIL
-            self._run = run
+            self._drawn = (run.scene, side.trajectory)
         self._ghost.visible = state.ghost
         k = side.clipped(iteration)
         T = side.T_model_scene[k]

@@ -73,7 +73,7 @@ class HistogramChart:
         self._look = look
         self._plot.restyle(data, *_histogram_style(side, state))
         what = "minus the reference line" if state.difference else "against the reference line"
-        whose = "histogram" if side.maps else "as a learned method would see it,"
+        whose = "histogram" if side.maps else "has no histogram; a learned method would see this,"
         self._caption.content = caption(f"<b>{method_span(side.method, self._side)}</b> {whose} {what}")
 
 

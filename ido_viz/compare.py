@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import html
+import logging
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import viser
 
-from ido import Scene
+from ido import Method, Scene, score
 from ido.registration import Watch
-from ido_viz.background import Job
+from ido_viz.background import CancelledError, Job
 from ido_viz.library import Library
-from ido_viz.run import make_scene, register_side
+from ido_viz.run import make_scene
 from ido_viz.state import State
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,13 +30,14 @@ class Row:
     rmse: float
     seconds: float
     iterations: int
+    failure: str = ""
 
 
-SORTS: dict[str, Callable[[Row], float]] = {
-    "PointAcc": lambda row: row.rmse - 100 * round(row.accuracy, 3),  # of equal ones the nearer first
-    "PointRMSE": lambda row: row.rmse,
-    "time": lambda row: row.seconds,
-    "iterations": lambda row: row.iterations,
+SORTS: dict[str, Callable[[Row], tuple[float, ...]]] = {
+    "PointAcc": lambda row: (-round(row.accuracy, 3), row.rmse),  # of equal ones the nearer first
+    "PointRMSE": lambda row: (row.rmse,),
+    "time": lambda row: (row.seconds,),
+    "iterations": lambda row: (row.iterations,),
 }
 """What the table can be sorted by, best first."""
 
@@ -50,8 +55,13 @@ class Comparison:
         self._changed = changed
         self._job: Job[None] | None = None
         self._of: tuple[object, ...] | None = None
-        self.rows: tuple[Row, ...] = ()
+        self._rows: list[Row] = []
         self.methods: tuple[str, ...] = ()
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Those that are there, in the order of the methods."""
+        return tuple(self._rows)
 
     @property
     def running(self) -> bool:
@@ -65,32 +75,37 @@ class Comparison:
     def begin(self, state: State) -> None:
         """Register the state's scene with every method, the one after the other."""
         self.cancel()
-        self._of, self.rows, self.methods = _inputs(state), (), self._library.methods(state.shape)
-        self._job = Job(lambda watch: self._fill(state, watch), self._changed)
+        self._of, self.methods = _inputs(state), self._library.methods(state.shape)
+        self._rows = rows = []  # of this comparison alone; one that is still ending has its own
+        self._job = Job(lambda watch: self._fill(state, rows, watch), self._changed)
 
     def cancel(self) -> None:
         """Leave it at the rows that are there."""
         if self._job is not None:
             self._job.cancel()
 
-    def _fill(self, state: State, watch: Watch) -> None:
-        of, rows, scene = self._of, [], make_scene(state, self._library)
-        for method in self.methods:
-            rows.append(measured(state, self._library, method, scene, watch))
-            if self._of == of:
-                self.rows = tuple(rows)
-            watch(len(rows))
+    def _fill(self, state: State, rows: list[Row], watch: Watch) -> None:
+        scene = make_scene(state, self._library)
+        for name in self._library.methods(state.shape):
+            method = self._library.method(state, name)
+            try:
+                rows.append(measured(method, scene, watch))
+            except CancelledError:
+                raise
+            except Exception as error:  # the others are still of interest
+                _log.exception("%s failed", name)
+                rows.append(Row(name, 0.0, np.inf, np.inf, 0, failure=type(error).__name__))
             self._changed()
 
 
-def measured(state: State, library: Library, method: str, scene: Scene, watch: Watch) -> Row:
+def measured(method: Method, scene: Scene, watch: Watch) -> Row:
     """One method's row; its time is without what only the first registration takes."""
-    library.method(state, method).register(scene.points[:10])  # loads and compiles
+    method.register(scene.points[:10], watch=watch)  # loads and compiles
     began = time.perf_counter()
-    side = register_side(state, library, method, scene, watch=watch)
+    track = method.register(scene.points, watch=watch)
     seconds = time.perf_counter() - began
-    accuracy, rmse = float(side.scores.accuracy[-1]), float(side.scores.rmse[-1])
-    return Row(method, accuracy, rmse, seconds, side.trajectory.iterations)
+    scores = score(scene, track.T_model_scene[-1])
+    return Row(method.name, float(scores.accuracy), float(scores.rmse), seconds, track.iterations)
 
 
 def _inputs(state: State) -> tuple[object, ...]:
@@ -136,13 +151,13 @@ class ComparePanel:
         if labels == self._shown:
             return
         self._shown = labels
+        self._rows = rows  # before there are buttons that look there
         while len(self._buttons) < len(labels):
             self._add_button()
         for button, text in zip(self._buttons, labels, strict=False):
             button.label = text
         for i, button in enumerate(self._buttons):
             button.visible = i < len(labels)
-        self._rows = rows
 
     def _add_button(self) -> None:
         number = len(self._buttons)
@@ -159,6 +174,8 @@ class ComparePanel:
 def label(row: Row) -> str:
     """A row in columns of fixed width."""
     name = row.method.replace("reconstruction", "reconstr.")
+    if row.failure:
+        return f"{name:<26}{('failed: ' + row.failure)[:24]:>24}"
     return f"{name:<26}{row.accuracy:6.3f}{row.rmse:7.3f}{1e3 * row.seconds:6.0f}{row.iterations:5d}"
 
 
@@ -178,7 +195,7 @@ def head_html(done: int, total: int, running: bool, fits: bool) -> str:
     """What the table is of, and the heads of its columns."""
     if total == 0:
         return '<div style="margin:0 8px;font-size:12px">Every method and setting on the scene that is shown.</div>'
-    text = f"{done} of {total} methods" + ("…" if running else "")
+    text = f"{done} of {total} methods" + ("…" if running else ", then cancelled" if done < total else "")
     if not fits:
         text += ". The scene has changed since: compare again."
     return (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,9 +12,9 @@ import viser
 
 from ido import RANGES, Perturbation
 from ido.perturbation import LARGEST_SEED, OutlierKind
-from ido_viz import palette
 from ido_viz.library import Library
-from ido_viz.run import MethodRun, Run, norms
+from ido_viz.readout import readout_html
+from ido_viz.run import Run
 from ido_viz.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, State, encode
 from ido_viz.sweeps import Choice
 
@@ -47,6 +46,7 @@ class Actions:
     apply_code: Callable[[str], None]
     cancel: Callable[[], None]
     compare: Callable[[], None]
+    cancel_comparison: Callable[[], None]
     show_method: Callable[[str, str], None]
     open_scene: Callable[[Choice], None]
     redraw: Callable[[], None]
@@ -139,10 +139,15 @@ class Controls:
                 min=EPSILON_RANGE[0],
                 max=EPSILON_RANGE[1],
                 step=0.0005,
-                hint="Registration ends when the update norm is below this. The paper says 0.005.",
+                hint="DO and Improved DO end when the update norm is below this. The paper says 0.005.",
             )
             self._inputs["max_iterations"] = gui.add_number(
-                "Most iterations", state.max_iterations, min=1, max=LONGEST_RUN, step=1, hint="The paper says 1000."
+                "Most iterations",
+                state.max_iterations,
+                min=1,
+                max=LONGEST_RUN,
+                step=1,
+                hint="DO's and Improved DO's. Paper: 1000.",
             )
 
     def _view(self, gui: viser.GuiApi, state: State) -> None:
@@ -191,7 +196,7 @@ class Controls:
             shape=value["shape"],
             perturbation=perturbation,
             left=value["left"] if value["left"] in known else known[0],
-            right=value["right"] if value["right"] in known else known[-1],
+            right=value["right"] if value["right"] in known else known[1],
             epsilon=_within(value["epsilon"], *EPSILON_RANGE, State().epsilon),
             max_iterations=_within(value["max_iterations"], 1, LONGEST_RUN, State().max_iterations),
             speed=_within(value["speed"], 1, 60, State().speed),
@@ -279,65 +284,3 @@ def _within(value: Any, low: float, high: float, default: Number) -> Number:
     if not isinstance(value, int | float) or not math.isfinite(value):
         return default
     return type(default)(min(max(value, low), high))
-
-
-def readout_html(run: Run, iteration: int) -> str:
-    """A table of both sides' live numbers."""
-    rows: list[tuple[str, list[str]]] = [
-        ("Iteration", []),
-        ("Next update", []),
-        ("PointAcc", []),
-        ("PointRMSE", []),
-        ("Rotation error", []),
-        ("Translation error", []),
-        ("Stops", []),
-    ]
-    for side in run.sides:
-        k, n = side.clipped(iteration), side.trajectory.iterations
-        norm = "–" if np.isnan(norms(side)[k]) else f"{norms(side)[k]:.4f}"
-        scores = side.scores
-        cells = [f"{k} / {n}", norm, f"{scores.accuracy[k]:.3f}", f"{scores.rmse[k]:.4f}"]
-        cells += [f"{scores.rotation[k]:.2f}°", f"{scores.translation[k]:.4f}", verdict(side, k)]
-        for row, cell in zip(rows, cells, strict=True):
-            row[1].append(cell)
-    head = "".join(
-        f'<th style="text-align:right;color:{palette.css(palette.METHODS[i])}">{html.escape(side.method)}</th>'
-        for i, side in enumerate(run.sides)
-    )
-    body = "".join(
-        f"<tr><td>{name}</td>" + "".join(f'<td style="text-align:right">{cell}</td>' for cell in cells) + "</tr>"
-        for name, cells in rows
-    )
-    return (
-        '<table style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:12px;line-height:1.35;'
-        f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>' + _LEGEND
-    )
-
-
-def verdict(side: MethodRun, k: int) -> str:
-    """Why a method stopped, and whether where the scene belongs; nothing of it before the end."""
-    if side.waiting:
-        return html.escape(side.waiting)
-    if k < side.trajectory.iterations:
-        return "moving"
-    accuracy = side.scores.accuracy[k]
-    place = "in place" if accuracy >= _IN_PLACE else "nearly in place" if accuracy >= _NEARLY else "wrong pose"
-    return f"{side.trajectory.stop}, {place}"
-
-
-_IN_PLACE, _NEARLY = 0.95, 0.5  # PointAcc
-_LEGEND = (
-    '<div style="margin:4px 8px 0 8px;font-size:11px">'
-    + " &nbsp;".join(
-        '<span style="white-space:nowrap">'
-        + "".join(f'<span style="color:{palette.css(color)}">●</span>' for color in colors)
-        + f" {name}</span>"
-        for name, colors in (
-            ("model", ((128, 128, 128),)),
-            ("scene", palette.METHODS),
-            ("outliers", (palette.OUTLIER,)),
-            ("where it belongs", (palette.GHOST,)),
-        )
-    )
-    + "</div>"
-)

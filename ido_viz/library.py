@@ -110,7 +110,8 @@ class Library:
                 raise StateError(f"{path.name} was trained on another cloud than {cloud.name}; train maps on it first")
             learned[path.stem] = partial(_maps_itself, loaded)
         subject = Subject(cloud.name, lambda: own, learned)
-        return Library({**self.subjects, cloud.stem: subject}), cloud.stem
+        name = cloud.stem if cloud.stem not in self.subjects else f"{cloud.stem} (your own)"
+        return Library({**self.subjects, name: subject}), name
 
 
 def _maps_itself(maps: Maps) -> Maps:

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
+from ido import Scene
 from ido_viz.background import Job
 from ido_viz.library import Library
 from ido_viz.run import MethodRun, Run, inputs, make_scene, register_side, waiting_side
@@ -65,20 +66,18 @@ class LiveRun:
         if inputs(state) == self._inputs:
             return False
         scene = make_scene(state, self._library)
-        sides: list[MethodRun] = []
-        jobs: dict[int, Job[MethodRun]] = {}
-        for number, name in enumerate((state.left, state.right)):
-            if self._library.quick(state.shape, name):
-                sides.append(register_side(state, self._library, name, scene))
-                continue
-            sides.append(waiting_side(state, self._library, name, scene, "computing"))
-            jobs[number] = Job(
-                lambda watch, name=name: register_side(state, self._library, name, scene, watch=watch), self._changed
-            )
-        self.close()
+        names = (state.left, state.right)
+        slow = [side for side, name in enumerate(names) if not self._library.quick(state.shape, name)]
+        left, right = (
+            waiting_side(state, self._library, name, scene, "computing")
+            if side in slow
+            else register_side(state, self._library, name, scene)
+            for side, name in enumerate(names)
+        )
         with self._lock:
-            self._run = Run(self._library.subject(state.shape), scene, (sides[0], sides[1]))
-            self._inputs, self._jobs = inputs(state), jobs
+            self._drop_jobs()
+            self._run, self._inputs = Run(self._library.subject(state.shape), scene, (left, right)), inputs(state)
+            self._jobs = {side: self._job(state, names[side], scene) for side in slow}
         return True
 
     def cancel(self) -> None:
@@ -90,12 +89,20 @@ class LiveRun:
     def close(self) -> None:
         """Cancel what is under way and forget it."""
         with self._lock:
-            for job in self._jobs.values():
-                job.cancel()
-            self._jobs = {}
+            self._drop_jobs()
+
+    def _job(self, state: State, name: str, scene: Scene) -> Job[MethodRun]:
+        return Job(lambda watch: register_side(state, self._library, name, scene, watch=watch), self._changed)
+
+    def _drop_jobs(self) -> None:
+        for job in self._jobs.values():
+            job.cancel()
+        self._jobs = {}
 
     def _set(self, side: int, result: MethodRun | None = None, *, waiting: str = "") -> None:
         assert self._run is not None
         sides = list(self._run.sides)
+        if result is None and sides[side].waiting == waiting:
+            return
         sides[side] = result or replace(sides[side], waiting=waiting)
         self._run = replace(self._run, sides=(sides[0], sides[1]))

@@ -10,17 +10,6 @@ METHODS: tuple[Color, Color] = ((0, 114, 178), (213, 94, 0))
 BLOCKS: tuple[Color, ...] = ((230, 159, 0), (0, 158, 115), (204, 121, 167))
 """Blocks of a histogram: orange, green, purple."""
 
-FAMILIES: tuple[Color, ...] = (
-    *METHODS,
-    (128, 128, 128),
-    (230, 159, 0),
-    (86, 180, 233),
-    (0, 158, 115),
-    (204, 121, 167),
-    (170, 150, 0),
-)
-"""Methods where all are drawn: DO, Improved DO, doing nothing, ICP, CPD, BCPD, GMMReg, KCCE."""
-
 OUTLIER: Color = (190, 140, 182)
 GHOST: Color = (0, 158, 115)
 

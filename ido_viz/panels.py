@@ -64,7 +64,9 @@ class Panels:
         with bottom.add_tab("Errors"):
             self._errors = ErrorCharts(gui)
         with bottom.add_tab("Compare"):
-            self._compare = ComparePanel(gui, actions.compare, actions.cancel, actions.show_method, actions.redraw)
+            self._compare = ComparePanel(
+                gui, actions.compare, actions.cancel_comparison, actions.show_method, actions.redraw
+            )
         with bottom.add_tab("Sweeps"):
             self._sweeps = SweepPanel(gui, actions.open_scene, actions.redraw)
         with bottom.add_tab("Maps 1, 15, 30"):

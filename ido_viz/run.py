@@ -64,9 +64,9 @@ class Run:
 
 
 def norms(side: MethodRun) -> FloatArray:
-    """‖D h(x)‖ at every pose, shape (n + 1,): of the update made there, last of the one that was too small to make.
+    """Size of the update at every pose, shape (n + 1,): of the one made there, last of the one too small to make.
 
-    The last is NaN at the iteration limit, where none was computed.
+    The last is NaN where none was computed: at the iteration limit, and of baselines.
     """
     return np.append(side.trajectory.update_norms, side.trajectory.last_norm)
 

@@ -87,12 +87,10 @@ class Session:
             self._dirty = True
             self._awake.notify()
 
-    def _cancel(self) -> None:
-        self._live.cancel()
-        self._comparison.cancel()
-
     def _compare(self) -> None:
         with self._awake:
+            if self._closed:
+                return
             if self._read_controls:
                 self._read()
             self._comparison.begin(self._state)
@@ -101,13 +99,14 @@ class Session:
     def _show_method(self, method: str, pane: str) -> None:
         def placed(state: State) -> State:
             if method not in self._library.methods(state.shape):  # of a shape shown before
+                self._tell("This method is not there", f"{method} cannot register {state.shape}.")
                 return state
             return replace(state, left=method) if pane == "left" else replace(state, right=method)
 
         self._change(placed, show=True)
 
     def _open_scene(self, choice: Choice) -> None:
-        self._change(lambda state: choice.at(state), show=True)
+        self._change(lambda state: self._library.checked(choice.at(state)), show=True)
 
     def _play(self) -> None:
         def toggled(state: State) -> State:
@@ -160,7 +159,8 @@ class Session:
 
     def _at(self, state: State, iteration: int) -> State:
         """The state at an iteration; at the end it stays at the end when the run changes."""
-        at_end = iteration == LAST or (self._run is not None and iteration >= self._run.iterations)
+        length = self._run.iterations if self._run and not self._live.waiting else 0  # 0: nothing to be at the end of
+        at_end = iteration == LAST or 0 < length <= iteration
         return replace(state, iteration=LAST if at_end else max(0, iteration))
 
     # The thread
@@ -174,8 +174,9 @@ class Session:
             new_seed=self._new_seed,
             paper_defaults=self._paper_defaults,
             apply_code=self._apply_code,
-            cancel=self._cancel,
+            cancel=self._live.cancel,
             compare=self._compare,
+            cancel_comparison=self._comparison.cancel,
             show_method=self._show_method,
             open_scene=self._open_scene,
             redraw=self._wake,
@@ -210,7 +211,7 @@ class Session:
         if state.playing and self._run is not None and not self._live.waiting:  # both panes set out together
             self._position += (now - self._ticked) * state.speed
             state = self._at(state, int(self._position))
-            if state.iteration == LAST:
+            if state.iteration == LAST or self._run.iterations == 0:
                 state = replace(state, playing=False)
         self._ticked = now
         self._state = state

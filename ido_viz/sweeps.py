@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 import viser
 
 from ido import Perturbation
-from ido.baselines import Nothing
 from ido.experiments import LEVELS, Results, level_scene
-from ido.experiments.results import ResultsError
+from ido.experiments.families import FAMILIES, METHODS
 from ido.experiments.run import MOST_SCENES, SEED
 from ido.methods import method_names
+from ido.results import ResultsError
 from ido.shipped import SHAPES, shipped_results
 from ido_viz import palette
 from ido_viz.charts import Plot, caption, plain_axes
@@ -27,7 +27,8 @@ GROUPS: dict[str, Callable[[str], bool]] = {
     "learned and default": lambda method: not method.endswith("tuned"),
     "all": lambda method: True,
 }
-_FAMILIES = ("DO", "Improved DO", Nothing.title, "ICP", "CPD", "BCPD", "GMMReg", "KCCE")  # in the palette's order
+BLACK = "#000000"
+"""A family's colour that a dark page shows as its ink."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +45,17 @@ class Choice:
         """The state that shows it, at its end, in the right pane."""
         base = Perturbation(outlier_kind=SHAPES[self.shape].outlier_kind)
         others = (state.left, State().left, State().right)
-        return State(
+        default = State()
+        return replace(
+            state,
+            epsilon=default.epsilon,
+            max_iterations=default.max_iterations,
             shape=self.shape,
             perturbation=level_scene(base, self.sweep, self.level, self.trial, MOST_SCENES, SEED),
             left=next(method for method in others if method != self.method and method in method_names(self.shape)),
             right=self.method,
             iteration=LAST,
             playing=False,
-            dark=state.dark,
         )
 
 
@@ -62,7 +66,6 @@ class SweepPanel:
         self._open = open_scene
         self._changed = changed
         self._shape = ""
-        self._rows: Results | None = None
         self._sweep = gui.add_dropdown("Sweep", tuple(LEVELS), initial_value="noise")
         self._score = gui.add_dropdown("Score", tuple(SCORES), initial_value="PointAcc")
         self._group = gui.add_dropdown("Methods", tuple(GROUPS), initial_value="learned and tuned")
@@ -83,33 +86,25 @@ class SweepPanel:
         if look == self._look:
             return
         self._look = look
-        try:
-            results = shipped_results()
-        except ResultsError as error:  # the rest of the page does without them
-            self._legend.content = caption(html.escape(f"The results cannot be read: {error}"))
-            return
-        rows = results.where(dataset=state.shape, sweep=self._sweep.value)
-        self._shape, self._rows = state.shape, rows
-        found = set(rows.method.tolist())
-        methods = tuple(method for method in method_names(state.shape) if method in found) if found else ()
-        if not methods:
-            self._legend.content = caption("There are no shipped results for this shape.")
-            return
-        _offer(self._method, methods)
-        _offer(self._level, tuple(f"{level:g}" for level in LEVELS[self._sweep.value]))
-        scenes = scene_labels(rows, self._method.value, float(self._level.value))
-        _offer(self._trial, tuple(scenes))
+        self._shape = state.shape
+        levels = LEVELS[self._sweep.value]
+        rows, missing = rows_of(state.shape, self._sweep.value)
+        methods = tuple(dict.fromkeys(name for name in METHODS if (rows.method == name).any()))
+        _offer(self._method, methods or ("–",))
+        _offer(self._level, tuple(f"{level:g}" for level in levels))
+        level = levels[self._level.options.index(self._level.value)]
+        _offer(self._trial, tuple(scene_labels(rows, self._method.value, level)))
+        self._button.disabled = not methods
         shown = [method for method in methods if GROUPS[self._group.value](method)]
-        self._legend.content = legend_html(shown, len(np.unique(rows.trial)))
-        levels = np.array(LEVELS[self._sweep.value], dtype=np.float64)
+        self._legend.content = caption(missing) if missing else legend_html(shown, rows)
         curves = [curve(rows, method, SCORES[self._score.value], levels) for method in shown]
-        series: list[Any] = [{"label": self._sweep.value}, *(series_of(method) for method in shown)]
-        high = 1.05 if self._score.value == "PointAcc" else 1.1 * float(np.nanmax(curves))
+        highest = max((float(np.nanmax(values)) for values in curves), default=1.0)
         scales = {
             "x": {"time": False, "auto": False, "range": (float(levels[0]), float(levels[-1]))},
-            "y": {"auto": False, "range": (0.0, high)},
+            "y": {"auto": False, "range": (0.0, 1.05 if self._score.value == "PointAcc" else 1.1 * highest)},
         }
-        self._plot.restyle((levels, *curves), series, scales, plain_axes(state.dark))
+        series: list[Any] = [{"label": self._sweep.value}, *(series_of(method, state.dark) for method in shown)]
+        self._plot.restyle((np.array(levels, dtype=np.float64), *curves), series, scales, plain_axes(state.dark))
         self._look = self._looks(state)  # the choices on offer may have changed with the sweep
 
     def _looks(self, state: State) -> tuple[object, ...]:
@@ -117,11 +112,21 @@ class SweepPanel:
         return (state.shape, state.dark, *(handle.value for handle in chosen))
 
     def _choose(self) -> None:
-        if self._rows is None or self._trial.value == "–":
-            return
-        trial = int(self._trial.value.split()[0])
-        level = LEVELS[self._sweep.value][[f"{v:g}" for v in LEVELS[self._sweep.value]].index(self._level.value)]
-        self._open(Choice(self._shape, self._sweep.value, level, trial, self._method.value))
+        if self._trial.value != "–":
+            level = LEVELS[self._sweep.value][self._level.options.index(self._level.value)]
+            trial = int(self._trial.value.split()[0])
+            self._open(Choice(self._shape, self._sweep.value, level, trial, self._method.value))
+
+
+def rows_of(shape: str, sweep: str) -> tuple[Results, str]:
+    """The shipped results of a sweep, and why there are none."""
+    none = Results(*(np.zeros(0) for _ in fields(Results)))
+    if shape not in SHAPES:
+        return none, "There are results of the shipped shapes only."
+    try:
+        return shipped_results().where(dataset=shape, sweep=sweep), ""
+    except ResultsError as error:  # the rest of the page does without them
+        return none, html.escape(f"The results cannot be read: {error}")
 
 
 def _offer(dropdown: Any, options: tuple[str, ...]) -> None:
@@ -129,38 +134,38 @@ def _offer(dropdown: Any, options: tuple[str, ...]) -> None:
         dropdown.options = options
 
 
-def curve(rows: Results, method: str, score: str, levels: np.ndarray) -> np.ndarray:
-    """Mean score of a method at each level, shape (levels,); NaN where it was not run."""
+def curve(rows: Results, method: str, score: str, levels: Sequence[float]) -> np.ndarray:
+    """Mean score of a method at each level, failed registrations left out, shape (levels,); NaN where there is none."""
     own = rows.where(method=method)
-    values = [getattr(own, score)[np.isclose(own.level, level)] for level in levels]
-    return np.array([found.mean() if len(found) else np.nan for found in values])
+    values = [getattr(own, score)[own.level == level] for level in levels]
+    return np.array([np.nanmean(found) if np.isfinite(found).any() else np.nan for found in values])
 
 
 def scene_labels(rows: Results, method: str, level: float) -> list[str]:
     """The scenes of a method at a level, worst first: number and PointAcc."""
-    own = rows.where(method=method)
-    at_level = np.flatnonzero(np.isclose(own.level, level))
-    order = at_level[np.lexsort((own.trial[at_level], own.accuracy[at_level]))]
+    own = rows.where(method=method, level=level)
+    order = np.lexsort((own.trial, own.accuracy))
     return [f"{own.trial[i]} (PointAcc {own.accuracy[i]:.2f})" for i in order] or ["–"]
 
 
-def family(method: str) -> str:
-    """The method without its setting."""
-    return next(name for name in reversed(_FAMILIES) if method.startswith(name))
-
-
-def series_of(method: str) -> dict[str, Any]:
+def series_of(method: str, dark: bool) -> dict[str, Any]:
     """How a method is drawn: its family's colour, dashed where it is not at its best."""
-    color = palette.css(palette.FAMILIES[_FAMILIES.index(family(method))])
-    dashes = {"dash": [5, 4]} if method.endswith(("default", "as printed)")) else {}
+    its = next(family for family in FAMILIES if method in (name for _, name in family.variants))
+    color = palette.css(palette.ink(dark)) if its.color == BLACK else its.color
+    dashes = {} if method == its.main else {"dash": [5, 4]}
     return {"label": method, "stroke": color, "width": 2, "points": {"show": True, "size": 4, "fill": color}, **dashes}
 
 
-def legend_html(methods: list[str], scenes: int) -> str:
+def legend_html(methods: list[str], rows: Results) -> str:
     """The methods in their colours."""
     names = " &nbsp;".join(
-        f'<span style="white-space:nowrap"><span style="color:{series_of(method)["stroke"]}">'
-        f"{'┅' if 'dash' in series_of(method) else '━'}</span> {html.escape(method)}</span>"
+        f'<span style="white-space:nowrap"><span style="color:{_text_color(method)}">'
+        f"{'┅' if 'dash' in series_of(method, False) else '━'}</span> {html.escape(method)}</span>"
         for method in methods
     )
-    return caption(f"Mean over {scenes} scenes a level. {names}")
+    return caption(f"Mean over {len(np.unique(rows.trial))} scenes a level. {names}")
+
+
+def _text_color(method: str) -> str:
+    color = series_of(method, False)["stroke"]
+    return "inherit" if color == palette.css(palette.ink(False)) else color

@@ -137,9 +137,9 @@ def test_seconds_are_those_of_the_registration_alone_and_without_the_first(monke
 
     monkeypatch.setattr(engine, "shipped_method", lambda *_: replace(real, register=slow_at_first))
     monkeypatch.setattr(engine, "perturb", slow_scene)
-    engine._warm.cache_clear()
+    engine._warmed_up.cache_clear()
     rows = run_chunk(Chunk("bunny", "Did nothing", "noise", 0.0, (0, 1, 2), 0))
-    engine._warm.cache_clear()
+    engine._warmed_up.cache_clear()
     assert len(calls) == 4
     assert all(0.02 <= row.seconds < 0.2 for row in rows)
 
@@ -153,11 +153,11 @@ def test_a_method_that_fails_is_recorded_as_such_and_the_run_goes_on(monkeypatch
         return real.register(points)
 
     monkeypatch.setattr(engine, "shipped_method", lambda *_: replace(real, register=fails_on_large_scenes))
-    engine._warm.cache_clear()
+    engine._warmed_up.cache_clear()
     rows: list[Row] = []
     experiment = Experiment(datasets=("bunny",), sweeps=("points",), methods=("Did nothing",), scenes=2)
     run(experiment.missing(()), Here(), 1, rows.extend)
-    engine._warm.cache_clear()
+    engine._warmed_up.cache_clear()
     assert [row.stop for row in rows] == ["converged"] * 4 + [FAILED] * 6
     assert all(row.accuracy == 0 and np.isnan(row[7:10]).all() and row.seconds > 0 for row in rows[4:])
 

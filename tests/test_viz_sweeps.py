@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ido import shipped_results
+from ido import SHAPES, Cloud, FrontBack, Model, TrainingSettings, load_cloud, shipped_results, train
+from ido.clouds import save_cloud
 from ido.experiments import LEVELS, Results
 from ido.methods import method_names
-from ido_viz import palette
 from ido_viz.library import shipped_library
 from ido_viz.run import compute
 from ido_viz.state import State, decode, encode
-from ido_viz.sweeps import GROUPS, Choice, curve, scene_labels, series_of
+from ido_viz.sweeps import GROUPS, Choice, curve, rows_of, scene_labels, series_of
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +34,16 @@ def test_the_results_are_of_every_method_sweep_and_shape(results: Results) -> No
         for sweep, levels in LEVELS.items():
             rows = results.where(dataset=shape, sweep=sweep)
             assert set(rows.method.tolist()) == set(method_names(shape))
-            assert set(rows.level.round(6).tolist()) == {round(float(level), 6) for level in levels}
-            counts = np.unique(np.stack([rows.method, rows.level.round(6).astype(str)]), axis=1, return_counts=True)[1]
-            assert counts.min() >= 20
+            assert set(rows.level.tolist()) == set(map(float, levels))
+            for method in method_names(shape):
+                for level in levels:
+                    assert sorted(rows.where(method=method, level=level).trial) == list(range(100))
 
 
 def test_opening_a_registration_shows_what_was_recorded(results: Results) -> None:
     for i in some_rows(results, 25):
         sweep = str(results.sweep[i])
-        level = next(value for value in LEVELS[sweep] if np.isclose(value, results.level[i]))
+        level = next(value for value in LEVELS[sweep] if value == results.level[i])
         choice = Choice(str(results.dataset[i]), sweep, level, int(results.trial[i]), str(results.method[i]))
         state = choice.at(State())
         assert state.perturbation.seed == results.seed[i]
@@ -62,10 +64,10 @@ def test_the_left_pane_keeps_another_method(results: Results) -> None:
 
 def test_curves_are_the_means_of_the_levels(results: Results) -> None:
     rows = results.where(dataset="bunny", sweep="rotation")
-    levels = np.array(LEVELS["rotation"])
+    levels = LEVELS["rotation"]
     values = curve(rows, "DO", "accuracy", levels)
     for level, value in zip(levels, values, strict=True):
-        chosen = (rows.method == "DO") & (np.abs(rows.level - level) < 1e-6)
+        chosen = (rows.method == "DO") & (rows.level == level)
         assert np.isclose(value, rows.accuracy[chosen].mean())
     assert np.isnan(curve(rows, "no such method", "accuracy", levels)).all()
 
@@ -80,8 +82,22 @@ def test_scenes_are_offered_worst_first(results: Results) -> None:
 
 
 def test_every_method_can_be_told_apart() -> None:
-    looks = [(series_of(name)["stroke"], str(series_of(name).get("dash"))) for name in method_names("bunny")]
-    assert len(set(looks)) == len(looks)
-    assert len(set(palette.FAMILIES)) == len(palette.FAMILIES)
+    for dark in (False, True):
+        series = [series_of(name, dark) for name in method_names("bunny")]
+        assert len({(its["stroke"], str(its.get("dash"))) for its in series}) == len(series)
     for group in GROUPS.values():
         assert {"DO", "Improved DO", "Did nothing"} <= {name for name in method_names("bunny") if group(name)}
+
+
+def test_a_cloud_of_ones_own_has_no_results_and_takes_no_shipped_name(tmp_path: Path) -> None:
+    cloud = tmp_path / "bunny.ply"
+    save_cloud(cloud, np.random.default_rng(0).uniform(-1, 1, (2000, 3)) * [1, 1, 0.999])
+    maps = tmp_path / "own.npz"
+    own = Cloud.of(load_cloud(cloud))
+    train(own, FrontBack(Model.of(own, 60)), TrainingSettings(samples=60, maps=2)).save(maps)
+    library, name = shipped_library().with_own(cloud, [maps])
+    assert name not in SHAPES
+    assert library.methods("bunny") == shipped_library().methods("bunny")
+    rows, why = rows_of(name, "noise")
+    assert len(rows) == 0
+    assert "shipped shapes only" in why

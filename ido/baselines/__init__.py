@@ -1,7 +1,7 @@
 """The methods that the paper compares DO with. Each moves the scene onto the model from where it lies.
 
-Every method has two named settings: `default`, as its authors ship it, and `tuned`, chosen on scenes of their own by
-`ido experiment tune`.
+Every method has two named settings: `default`, as its authors ship it (but without scale; for KCCE, of which nothing is
+public, our own), and `tuned`, chosen on scenes of their own by `ido experiment tune`.
 """
 
 from ido.baselines.baseline import Baseline

@@ -51,7 +51,7 @@ class _DriftingMixture(Baseline):
             density = self.outlier_density(units.model, units.scene, sigma2)
             share = soft_share(sums, sigma2, density)
             if share.sum() < 1e-6:  # everything is an outlier
-                return StopReason.CONVERGED
+                return StopReason.NOTHING_NEAR
             before = moved
             T = best_pose(units.scene, before + sums.target, share)
             moved = poses.transform(T, units.scene)

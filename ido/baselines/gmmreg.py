@@ -56,7 +56,8 @@ class GMMReg(Baseline):
                 options={"maxfun": evaluations, "ftol": 1e-7, "gtol": 1e-6},
             )
             parameters = found.x
-            stop = StopReason.CONVERGED if found.success else StopReason.MAX_ITERATIONS
+            # 1: limit of the evaluations; any other end is at a place from which no step leads up
+            stop = StopReason.MAX_ITERATIONS if found.status == 1 else StopReason.CONVERGED
             if done == self.max_iterations:
                 return StopReason.MAX_ITERATIONS
         return stop

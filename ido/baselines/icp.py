@@ -42,7 +42,7 @@ class ICP(Baseline):
             distance, match = fixed.query(looking, distance_upper_bound=self.cutoff)
             near = np.isfinite(distance)
             if near.sum() < 3:  # nothing within reach: nowhere to go
-                return StopReason.CONVERGED
+                return StopReason.NOTHING_NEAR
             found = np.asarray(match)[near]
             source, target = (scene[near], model[found]) if self.search == "scene" else (scene[found], model[near])
             T = best_pose(source, target, np.ones(len(source)))

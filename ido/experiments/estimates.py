@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ido.experiments.results import Results
 from ido.experiments.sweeps import LEVELS
+from ido.results import Results
 from ido.types import FloatArray
 
 _NORMAL_95 = 1.96

@@ -15,8 +15,8 @@ from ido.experiments.estimates import level_estimates
 from ido.experiments.families import FAMILIES, LEARNED_FAMILIES, NOTHING, Family
 from ido.experiments.figures import FAINT, INK, grid_of_axes, lettered, styled
 from ido.experiments.paper import ROW_NAMES, SCORE_TITLES
-from ido.experiments.results import Results
 from ido.experiments.sweeps import LEVELS
+from ido.results import Results
 
 AXIS_LABELS: dict[str, str] = {
     "noise": "noise, standard deviation",

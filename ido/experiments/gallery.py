@@ -11,9 +11,9 @@ from ido.experiments.figures_learning import COMPARED, maps_figure, training_fig
 from ido.experiments.figures_steps import clouds_figure, histograms_figure
 from ido.experiments.figures_sweeps import settings_figure, sweeps_figure
 from ido.experiments.paper import SCORE_TITLES
-from ido.experiments.results import Results
 from ido.methods import LEARNED
 from ido.perturbation import Perturbation, perturb
+from ido.results import Results
 from ido.shipped import SHAPES, shipped_cloud, shipped_maps
 
 

@@ -24,9 +24,9 @@ from ido.experiments.report_tables import (
     settings_rows,
     settings_table,
 )
-from ido.experiments.results import Results
 from ido.experiments.sweeps import LEVELS
 from ido.methods import LEARNED
+from ido.results import Results
 from ido.shipped import SHAPES, shipped_maps
 
 if TYPE_CHECKING:

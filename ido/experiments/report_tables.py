@@ -11,11 +11,11 @@ import numpy as np
 from ido.experiments.estimates import Costs, Estimate, level_estimates, sweep_estimate
 from ido.experiments.families import FAMILIES, METHODS, Family
 from ido.experiments.paper import ROW_NAMES, SCORE_TITLES, PaperTable
-from ido.experiments.results import Results
 from ido.experiments.sweeps import LEVELS
 from ido.methods import method_names
 from ido.perturbation import RANGES, Perturbation
 from ido.registration import StopReason
+from ido.results import Results
 from ido.shipped import SHAPES
 
 Row = Sequence[object]
@@ -48,7 +48,9 @@ def _family_rows(of_dataset: Results, family: Family, table: PaperTable, best: M
         run = of_dataset.where(method=method)
         cells = "".join(_cell(sweep_estimate(run, sweep, table.score), best[sweep]) for sweep in ROW_NAMES)
         costs = Costs.of(run)
-        cells += _number_cell(time_text(costs.seconds)) + _number_cell(_count_text(costs.iterations))
+        unknown = _NO_NUMBER if len(run) else NOT_RUN  # of those that failed everywhere
+        for text in (time_text(costs.seconds), _count_text(costs.iterations)):
+            cells += f"<td>{text}</td>" if text else unknown
         if method not in known:
             cells = f'<td class="none" colspan="{len(ROW_NAMES) + 2}">not run: no maps ship for this cloud</td>'
         rows.append(f'<td class="variant">{escape(variant)}</td>{cells}')
@@ -164,7 +166,7 @@ def costs_table(results: Results, dataset: str) -> str:
         costs = Costs.of(run)
         cells = [f"{costs.registrations:,}", time_text(costs.seconds), _count_text(costs.iterations)]
         cells += [f"{100 * float((run.stop == reason).mean()):.1f}%" for reason in reasons]
-        rows.append(_row(method, "".join(map(_number_cell, cells))))
+        rows.append(_row(method, "".join(f"<td>{cell}</td>" if cell else _NO_NUMBER for cell in cells)))
     return _table(head, [rows])
 
 
@@ -223,10 +225,6 @@ def _count_text(count: float) -> str:
 
 def _plain(number: float) -> object:
     return "" if math.isnan(number) else number
-
-
-def _number_cell(text: str) -> str:
-    return f"<td>{text}</td>" if text else NOT_RUN
 
 
 def _row(name: str, cells: str) -> str:

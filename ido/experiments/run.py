@@ -13,6 +13,8 @@ from dataclasses import asdict, dataclass
 from functools import cache, partial
 from itertools import groupby, islice
 
+import numpy as np
+
 from ido.experiments.store import Key, Row, Settings
 from ido.experiments.sweeps import LEVELS, level_scene
 from ido.methods import Method, method_names, shipped_method
@@ -33,7 +35,7 @@ FAILED = "failed"
 """Stop reason of a registration that raised an error."""
 
 _TRIALS = 10  # of a chunk: seconds of work, and no more is lost by a kill
-_alone = threading.Lock()
+_one_at_a_time = threading.Lock()
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +119,12 @@ class Experiment:
 
     def dataset_settings(self) -> dict[str, Settings]:
         """How the scenes of each dataset are made, before a sweep varies them."""
-        return {shape: asdict(_base(shape)) | {"seed": self.seed} for shape in self.datasets}
+        levels = {sweep: list(values) for sweep, values in LEVELS.items()}  # a scene's seed depends on its place there
+        return {
+            shape: asdict(_base(shape))
+            | {"seed": self.seed, "levels": levels, "fingerprint": _fingerprint(shipped_cloud(shape).points)}
+            for shape in self.datasets
+        }
 
     def method_settings(self) -> dict[tuple[str, str], Settings]:
         """Settings of each dataset and method, with a fingerprint of the model and maps."""
@@ -141,10 +148,12 @@ def _base(shape: str) -> Perturbation:
 
 
 def _settings(method: Method) -> Settings:
-    learned = hashlib.sha256(method.model.points.tobytes())
-    if method.maps:
-        learned.update(method.maps.maps.tobytes())
-    return {**method.settings, "fingerprint": learned.hexdigest()[:16]}
+    learned = [method.maps.maps] if method.maps else []
+    return {**method.settings, "fingerprint": _fingerprint(method.model.points, *learned)}
+
+
+def _fingerprint(*arrays: np.ndarray) -> str:
+    return hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()[:16]
 
 
 def run_chunk(chunk: Chunk) -> list[Row]:
@@ -154,13 +163,13 @@ def run_chunk(chunk: Chunk) -> list[Row]:
     raises an error has found no pose: its stop reason is `FAILED`, its accuracy 0, so that means over all scenes
     remain defined and nothing is gained by failing, and its errors are NaN.
     """
-    with _alone:
-        method = _warm(chunk.dataset, chunk.method)
+    with _one_at_a_time:
+        method = _warmed_up(chunk.dataset, chunk.method)
         return [_register(chunk, trial, method) for trial in chunk.trials]
 
 
 @cache
-def _warm(dataset: str, name: str) -> Method:
+def _warmed_up(dataset: str, name: str) -> Method:
     method = shipped_method(dataset, name)
     with suppress(Exception):  # told when it happens to a scene that counts
         method.register(perturb(shipped_cloud(dataset), _base(dataset)).points)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from ido.experiments.results import Results
+from ido.results import Results
 
 Settings = Mapping[str, object]
 """Settings by name, plain values."""

@@ -11,7 +11,7 @@ import numpy as np
 from ido.types import FloatArray
 
 _TEXT = ("dataset", "method", "sweep", "stop")
-_SMALL = {"trial": np.int16, "iterations": np.int16, "seed": np.int64}  # in a file; all other numbers are float32
+_EXACT = {"level": np.float64, "trial": np.int32, "iterations": np.int32, "seed": np.int64}  # others: float32
 
 
 class ResultsError(ValueError):
@@ -63,15 +63,15 @@ class Results:
         return Results(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
     def save(self, path: str | Path) -> None:
-        """Write a compressed .npz, without pickles, scores rounded to float32."""
+        """Write a compressed .npz, without pickles; scores and times are rounded to float32."""
         arrays: dict[str, np.ndarray] = {}
         for field in fields(self):
             column = getattr(self, field.name)
             if field.name in _TEXT:
                 names, codes = np.unique(column, return_inverse=True)
-                arrays[f"{field.name}_names"], arrays[field.name] = names.astype(str), codes.astype(np.uint8)
+                arrays[f"{field.name}_names"], arrays[field.name] = names.astype(str), codes.astype(np.uint16)
             else:
-                arrays[field.name] = column.astype(_SMALL.get(field.name, np.float32))
+                arrays[field.name] = column.astype(_EXACT.get(field.name, np.float32))
         np.savez_compressed(Path(path), allow_pickle=False, **arrays)
 
     @classmethod
@@ -97,4 +97,4 @@ def _column(file: np.lib.npyio.NpzFile, name: str) -> np.ndarray:
     column = file[name]
     if name in _TEXT:
         return file[f"{name}_names"][column]
-    return column.astype(np.int64 if name in _SMALL else np.float64)
+    return column.astype(np.int64 if column.dtype.kind == "i" else np.float64)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ido.experiments import Results
-from ido.experiments.results import ResultsError
+from ido.results import ResultsError
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def test_a_file_gives_back_what_was_saved(results: Results, tmp_path: Path) -> N
     loaded = Results.load(tmp_path / "results.npz")
     for field in fields(Results):
         saved, read = getattr(results, field.name), getattr(loaded, field.name)
-        if saved.dtype.kind == "f":
+        if saved.dtype.kind == "f" and field.name != "level":
             np.testing.assert_allclose(read, saved, rtol=1e-6)
         else:
             assert (read == saved).all(), field.name

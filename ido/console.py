@@ -1,0 +1,26 @@
+"""What the commands say besides their results: notes and progress, on standard error."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+
+def note(markup: str) -> None:
+    """Print a line of rich markup."""
+    Console(stderr=True).print(markup, soft_wrap=True, highlight=False)
+
+
+def progress_bar(*columns: str) -> Progress:
+    """A bar with the time that has passed and that is left, between a text before it and texts after it."""
+    before, *after = columns
+    return Progress(
+        TextColumn(before),
+        BarColumn(),
+        *map(TextColumn, after),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+        console=Console(stderr=True),
+        speed_estimate_period=3600,
+    )

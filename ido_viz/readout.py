@@ -1,0 +1,72 @@
+"""The live numbers of both panes, as HTML."""
+
+from __future__ import annotations
+
+import html
+
+import numpy as np
+
+from ido_viz import palette
+from ido_viz.run import MethodRun, Run, norms
+
+
+def readout_html(run: Run, iteration: int) -> str:
+    """A table of both sides' live numbers."""
+    rows: list[tuple[str, list[str]]] = [
+        ("Iteration", []),
+        ("Next update", []),
+        ("PointAcc", []),
+        ("PointRMSE", []),
+        ("Rotation error", []),
+        ("Translation error", []),
+        ("Stops", []),
+    ]
+    for side in run.sides:
+        k, n = side.clipped(iteration), side.trajectory.iterations
+        norm = "–" if np.isnan(norms(side)[k]) else f"{norms(side)[k]:.4f}"
+        scores = side.scores
+        cells = [f"{k} / {n}", norm, f"{scores.accuracy[k]:.3f}", f"{scores.rmse[k]:.4f}"]
+        cells += [f"{scores.rotation[k]:.2f}°", f"{scores.translation[k]:.4f}", verdict(side, k)]
+        for row, cell in zip(rows, cells, strict=True):
+            row[1].append(cell)
+    head = "".join(
+        f'<th style="text-align:right;color:{palette.css(palette.METHODS[i])}">{html.escape(side.method)}</th>'
+        for i, side in enumerate(run.sides)
+    )
+    body = "".join(
+        f"<tr><td>{name}</td>" + "".join(f'<td style="text-align:right">{cell}</td>' for cell in cells) + "</tr>"
+        for name, cells in rows
+    )
+    return (
+        '<table style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:12px;line-height:1.35;'
+        f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>' + _LEGEND
+    )
+
+
+def verdict(side: MethodRun, k: int) -> str:
+    """Why a method stopped, and whether where the scene belongs; nothing of it before the end."""
+    if side.waiting:
+        return html.escape(side.waiting)
+    if k < side.trajectory.iterations:
+        return "moving"
+    accuracy = side.scores.accuracy[k]
+    place = "in place" if accuracy >= _IN_PLACE else "nearly in place" if accuracy >= _NEARLY else "wrong pose"
+    return f"{side.trajectory.stop}, {place}"
+
+
+_IN_PLACE, _NEARLY = 0.95, 0.5  # PointAcc
+_LEGEND = (
+    '<div style="margin:4px 8px 0 8px;font-size:11px">'
+    + " &nbsp;".join(
+        '<span style="white-space:nowrap">'
+        + "".join(f'<span style="color:{palette.css(color)}">●</span>' for color in colors)
+        + f" {name}</span>"
+        for name, colors in (
+            ("model", ((128, 128, 128),)),
+            ("scene", palette.METHODS),
+            ("outliers", (palette.OUTLIER,)),
+            ("where it belongs", (palette.GHOST,)),
+        )
+    )
+    + "</div>"
+)
