@@ -23,7 +23,7 @@ from ido.experiments.report_page import figure_html, page
 from ido.experiments.report_tables import levels_table, score_table, settings_table, settings_text, time_text
 from ido.experiments.store import Row, Store
 from ido.methods import BASELINES, LEARNED
-from ido.shipped import shipped_maps
+from ido.shipped import shipped_maps, shipped_results
 
 SETTINGS = {("bunny", name): {"cutoff": 0.3, "fingerprint": "f00d"} for name in ("DO", "ICP, tuned", "Did nothing")}
 RUN = ("DO", "ICP, tuned", "Did nothing")
@@ -106,13 +106,25 @@ def test_the_papers_tables_hold_what_it_prints():
     ]
 
 
-def test_the_papers_first_table_agrees_with_the_readme():
+@pytest.mark.parametrize("dataset", ["bunny", "urban"])
+def test_the_readmes_tables_are_the_shipped_results_and_the_papers_numbers(dataset: str):
     readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\w+) \| ([\d.]+) \| [\d.]+ ± [\d.]+ \| ([\d.]+) \|", readme, flags=re.MULTILINE)
-    assert len(rows) == 6
-    for sweep, do, improved in rows:
-        assert PAPER_TABLES[0].values[sweep]["DO"] == float(do)
-        assert PAPER_TABLES[0].values[sweep]["Improved DO"] == float(improved)
+    lines = readme[readme.index(f"| {dataset} | noise |") :].splitlines()
+    printed = next(table for table in PAPER_TABLES if (table.dataset, table.score) == (dataset, "accuracy")).values
+    results, checked = shipped_results(), 0
+    for line in lines[2:]:
+        if not line:
+            break
+        method, *cells = [cell.strip() for cell in line.strip("|").split("|")]
+        of_paper = re.split(r",| \(", method)[0]
+        for sweep, cell in zip(LEVELS, cells, strict=True):
+            ours, papers = map(float, re.fullmatch(r"([\d.]+) \(([\d.]+)\)", cell).groups())  # type: ignore[union-attr]
+            run = results.where(dataset=dataset, sweep=sweep, method=method)
+            means = [run.accuracy[run.level == level].mean() for level in LEVELS[sweep]]
+            assert abs(np.mean(means) - ours) < 0.00051
+            assert printed[sweep][of_paper] == papers
+            checked += 1
+    assert checked == 7 * 6
 
 
 def test_exactly_the_repeated_rows_are_marked():

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from tab import PATIENCE, PAUSED
 
-from ido.methods import method_names
+from ido import StopReason
+from ido.baselines import Nothing
+from ido.baselines.baseline import Record
+from ido.methods import BASELINES, method_names
+from ido.types import DoubleArray
 from ido_viz.compare import SORTS, Comparison, Row, head_html, label
 from ido_viz.library import shipped_library
 from ido_viz.run import compute
@@ -86,6 +90,28 @@ def test_a_new_comparison_takes_the_place_of_the_one_under_way(seen: Seen) -> No
 def test_sorting_puts_the_best_first(by: str, first: str) -> None:
     assert min(ROWS, key=SORTS[by]).method == first
     assert max(ROWS, key=SORTS["PointAcc"]).method == "ICP, tuned"
+
+
+def test_accuracy_counts_before_nearness() -> None:
+    better, nearer = Row("better", 0.004, 1.2, 1.0, 1), Row("nearer", 0.001, 0.6, 1.0, 1)
+    assert SORTS["PointAcc"](better) < SORTS["PointAcc"](nearer)
+    assert SORTS["PointRMSE"](nearer) < SORTS["PointRMSE"](better)
+
+
+def test_a_failing_method_gets_a_row_that_says_so(seen: Seen, monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Failing(Nothing):
+        def run(self, model: DoubleArray, scene: DoubleArray, record: Record) -> StopReason:
+            raise ZeroDivisionError
+
+    monkeypatch.setitem(BASELINES, "Did nothing", Failing())
+    comparison = Comparison(shipped_library(), seen)
+    comparison.begin(PAUSED)
+    seen.wait(lambda: not comparison.running)
+    assert len(comparison.rows) == len(method_names("bunny"))
+    failed = next(row for row in comparison.rows if row.method == "Did nothing")
+    assert "✗ ZeroDivisionError" in label(failed)
+    assert max(comparison.rows, key=SORTS["PointRMSE"]) == failed
 
 
 def test_rows_are_columns() -> None:

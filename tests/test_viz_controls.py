@@ -94,3 +94,13 @@ def test_values_beyond_the_widgets_are_brought_into_their_range(controls: Contro
     assert not usable
     assert state.perturbation == replace(HIGHEST, outlier_kind="uniform")
     assert state.epsilon == 0.1
+
+
+def test_a_method_that_another_shape_lacks_gives_way_to_a_learned_one(controls: Controls) -> None:
+    state = State(left="ICP, tuned", right="Improved DO (as printed)")
+    controls.show(state)
+    inputs = controls._inputs
+    inputs["shape"].value = "urban"
+    read, _ = controls.read(state)
+    at_urban = LIBRARY.at_shape(read, "urban")
+    assert (at_urban.left, at_urban.right) == ("ICP, tuned", "Improved DO")

@@ -14,9 +14,9 @@ from PIL import Image
 
 from ido import shipped_maps
 from ido_viz.charts import both_methods, caption, method_span
-from ido_viz.readout import readout_html, verdict
 from ido_viz.heatmaps import heatmap_html
 from ido_viz.library import shipped_library
+from ido_viz.readout import readout_html, verdict
 from ido_viz.run import Run, compute
 from ido_viz.state import State
 

@@ -133,3 +133,28 @@ def test_tabs_do_not_wait_for_each_other(open_tab: Callable[..., Tab]) -> None:
     other = open_tab()
     other.set(rotation=77.0)
     other.wait("its frame", lambda: other.shown.state.perturbation.rotation == 77.0)
+
+
+def test_first_while_both_panes_are_computed_is_the_first(open_tab: Callable[..., Tab]) -> None:
+    tab = begin(open_tab, replace(SLOW, right="Slow"))
+    tab.wait("work told", lambda: "iteration" in tab.shown.run.sides[0].waiting)
+    tab.actions.jump(0)
+    Slow.go.set()
+    tab.wait("the results", lambda: not any(side.waiting for side in tab.shown.run.sides))
+    assert tab.shown.run.iterations > 0
+    assert tab.shown.iteration == 0
+
+
+def test_playing_what_does_not_move_stops(open_tab: Callable[..., Tab]) -> None:
+    tab = begin(open_tab, replace(PAUSED, left="Did nothing", right="Did nothing", playing=True))
+    tab.wait("the results", lambda: not any(side.waiting for side in tab.shown.run.sides))
+    tab.wait("the end of the playing", lambda: not tab.shown.state.playing)
+
+
+def test_the_points_are_sent_once_while_a_method_is_computed(open_tab: Callable[..., Tab]) -> None:
+    tab = begin(open_tab, SLOW)
+    tab.wait("work told", lambda: "iteration" in tab.shown.run.sides[0].waiting)
+    before = tab.shown.run
+    tab.wait("more work told", lambda: tab.shown.run.sides[0].waiting != before.sides[0].waiting)
+    assert tab.shown.run.scene is before.scene
+    assert tab.shown.run.sides[0].trajectory is before.sides[0].trajectory

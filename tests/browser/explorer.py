@@ -14,8 +14,8 @@ from PIL import Image
 from playwright.sync_api import FloatRect, Locator, Page
 
 from ido_viz.app import App
-from ido_viz.readout import verdict
 from ido_viz.library import shipped_library
+from ido_viz.readout import verdict
 from ido_viz.run import MethodRun, Run, compute
 from ido_viz.state import LAST, State, decode
 
