@@ -3,30 +3,42 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
+from typing import get_args
 
 import numpy as np
 import viser
 from scipy.spatial.transform import Rotation
 
 from ido import Scene, Trajectory, poses
-from ido.types import FloatArray
+from ido.types import BoolArray, FloatArray
 from ido_viz import palette
+from ido_viz.diagram import Diagram
+from ido_viz.heatmaps import diverging_colors
+from ido_viz.microscope import Inspection, answers, asked, point_on_ray
 from ido_viz.run import MethodRun, Run
-from ido_viz.state import State
+from ido_viz.state import Pane, Question, State
 
 _PANE_OFFSET = 1.5  # of each pane's centre from the middle, model units
 _SHOWN_WIDTH = 6.0  # of both panes, and their height: the camera steps back until they fit
 _SHOWN_HEIGHT = 3.6
+_CLICK_REACH = 0.04  # of a click's ray from a model point, model units
 _PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
 _NO_TRAIL = np.zeros((1, 2, 3), dtype=np.float32)
 _VIEW_DIRECTION = np.array([0.0, -1.0, 0.35])
 
 
 class Canvas:
-    """Draws both panes of one page. Moving a scene sends a pose, not points."""
+    """Draws both panes of one page. Moving a scene sends a pose, not points.
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    Args:
+        client: the page.
+        clicked: called with origin and direction of the ray of a click.
+    """
+
+    def __init__(self, client: viser.ClientHandle, clicked: Callable[[FloatArray, FloatArray], None]) -> None:
         scene = client.scene
+        scene.on_click()(lambda event: clicked(np.array(event.ray_origin), np.array(event.ray_direction)))
         scene.set_up_direction("+z")
         self._panes = [_Pane(scene, side) for side in range(2)]
         self._camera = client.camera
@@ -49,10 +61,11 @@ class Canvas:
             self._camera.position = target + distance * _VIEW_DIRECTION / np.linalg.norm(_VIEW_DIRECTION)
             self._camera.look_at = target
 
-    def draw(self, run: Run, state: State, iteration: int) -> None:
-        """Draw both panes after so many iterations."""
-        for pane, side in zip(self._panes, run.sides, strict=True):
-            pane.draw(run, side, state, iteration)
+    def draw(self, run: Run, state: State, iteration: int, inspection: Inspection | None) -> None:
+        """Draw both panes after so many iterations, and what is looked into."""
+        for number, (pane, side) in enumerate(zip(self._panes, run.sides, strict=True)):
+            here = inspection if inspection is not None and inspection.pane == number else None
+            pane.draw(run, side, state, iteration, here)
 
 
 class _Pane:
@@ -77,17 +90,19 @@ class _Pane:
         self._outliers = scene.add_point_cloud(
             f"{root}/scene/outliers", nothing, palette.OUTLIER, point_size=0.014, point_shape="circle"
         )
+        self._diagram = Diagram(scene, root)
+        self._plain: tuple[object, ...] | None = None
+        self._answered = False
         self._drawn: tuple[Scene, Trajectory] | None = None
         self._look: tuple[object, ...] | None = None
 
-    def draw(self, run: Run, side: MethodRun, state: State, iteration: int) -> None:
-        look = (id(side.histogram), state.shape, state.dark)
+    def draw(self, run: Run, side: MethodRun, state: State, iteration: int, inspection: Inspection | None) -> None:
+        look = (id(side.histogram.model), state.shape)
         if look != self._look:
-            model = side.histogram.model.points
             self._root.wxyz = _upright(run.subject.up)
-            self._model.points = model
-            self._model.colors = _model_colors(model @ np.array(run.subject.up), state.dark)
+            self._model.points = side.histogram.model.points
             self._look = look
+        self._paint(run, side, state, inspection)
         if (run.scene, side.trajectory) != self._drawn:
             scene = run.scene
             true_points = scene.points[~scene.is_outlier]
@@ -99,7 +114,7 @@ class _Pane:
             track = (poses.transform(side.T_model_scene, middle[None])[:, 0]).astype(np.float32)
             self._trail.points = np.stack([track[:-1], track[1:]], axis=1) if len(track) > 1 else _NO_TRAIL
             self._drawn = (run.scene, side.trajectory)
-        self._ghost.visible = state.ghost
+        self._ghost.visible = state.ghost and (inspection is None or inspection.point is None)
         k = side.clipped(iteration)
         T = side.T_model_scene[k]
         self._scene.wxyz = Rotation.from_matrix(T[:3, :3]).as_quat(scalar_first=True)
@@ -108,6 +123,46 @@ class _Pane:
         self._label.text = (
             f"{side.method}\n{counted}\nPointRMSE {side.scores.rmse[k]:.3f}\nPointAcc {side.scores.accuracy[k]:.2f}"
         )
+
+    def _paint(self, run: Run, side: MethodRun, state: State, inspection: Inspection | None) -> None:
+        """Colour the model by height or by shares, and the scene by the inspected point's answers."""
+        model = side.histogram.model
+        self._diagram.draw(model, inspection.point if inspection else None, state.question)
+        shares = inspection.of_points if inspection is not None and state.coloring != "height" else None
+        plain = (id(model), run.subject.up, state.dark) if shares is None else None
+        if plain is None or plain != self._plain:
+            height = model.points @ np.array(run.subject.up)
+            self._model.colors = _model_colors(height, state.dark) if shares is None else diverging_colors(shares)
+            self._plain = plain
+        answered = inspection is not None and inspection.point is not None and asked(side.histogram, state.question)
+        if answered:
+            assert inspection is not None and inspection.point is not None
+            first, counts = answers(side.histogram, inspection.moved, inspection.point, state.question)
+            colors = answer_colors(first, counts, state.question, state.dark)
+            self._points.colors = colors[~run.scene.is_outlier]
+            self._outliers.colors = colors[run.scene.is_outlier]
+        elif self._answered:
+            self._points.colors, self._outliers.colors = np.array(self._color), np.array(palette.OUTLIER)
+        self._answered = answered
+
+
+def point_at(run: Run, origin: FloatArray, direction: FloatArray) -> tuple[Pane, int] | None:
+    """The pane and number of the model point that a ray in the 3D view meets."""
+    turn = Rotation.from_quat(_upright(run.subject.up), scalar_first=True)
+    for pane, x, side in zip(get_args(Pane), (-_PANE_OFFSET, _PANE_OFFSET), run.sides, strict=True):
+        points = turn.apply(side.histogram.model.points) + np.array([x, 0.0, 0.0])
+        found = point_on_ray(points, origin, direction, _CLICK_REACH)
+        if found is not None:
+            return pane, found
+    return None
+
+
+def answer_colors(first: BoolArray, counts: FloatArray, question: Question, dark: bool) -> np.ndarray:
+    """The block's colour for points on its first side, ink for the others, paler where they count less; (S, 3)."""
+    color = palette.BLOCKS[get_args(Question).index(question)]
+    full = np.where(first[:, None], np.array(color), np.array(palette.ink(dark)))
+    faint = np.array((45, 45, 45) if dark else (228, 228, 228))
+    return np.rint(faint + (full - faint) * counts[:, None]).astype(np.uint8)
 
 
 def _upright(up: tuple[float, float, float]) -> FloatArray:

@@ -13,6 +13,7 @@ from PIL import Image
 
 from ido import Maps
 from ido.poses import PARAMETERS
+from ido.types import FloatArray
 from ido_viz import palette
 from ido_viz.charts import caption, method_span
 from ido_viz.run import MethodRun, Run, bin_order
@@ -110,6 +111,12 @@ def _picture(maps: Maps, number: int, order: str) -> tuple[str, float]:
     picture = Image.fromarray(np.repeat(levels, _ROW, axis=0))
     picture.putpalette(_DIVERGING.tobytes())
     return png_address(picture), scale
+
+
+def diverging_colors(values: FloatArray) -> np.ndarray:
+    """Blue for negative, white for none and red for positive values; shape (n, 3)."""
+    scale = float(np.quantile(np.abs(values), 0.99)) or 1.0
+    return _DIVERGING[np.clip(np.rint((values / scale + 1) * 127.5), 0, 255).astype(np.uint8)]
 
 
 def png_address(picture: Image.Image) -> str:

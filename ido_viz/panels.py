@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import viser
 
-from ido_viz.charts import ErrorCharts, HistogramChart
+from ido_viz.charts import ErrorCharts, HistogramChart, caption
 from ido_viz.compare import ComparePanel, Comparison
 from ido_viz.controls import Actions
 from ido_viz.heatmaps import ComparedMaps, Heatmap
+from ido_viz.inspect_panel import InspectPanel
+from ido_viz.microscope import Inspection
 from ido_viz.run import Run
 from ido_viz.state import State
 from ido_viz.sweeps import SweepPanel
@@ -45,7 +47,7 @@ def _chart_height(window: int) -> int:
 class Panels:
     """Places the panels of one page and draws what they hold."""
 
-    def __init__(self, client: viser.ClientHandle, actions: Actions) -> None:
+    def __init__(self, client: viser.ClientHandle, state: State, actions: Actions) -> None:
         gui = client.gui
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
@@ -61,6 +63,8 @@ class Panels:
         bottom = gui.add_panel(order=1)
         with bottom.add_tab("Maps"):
             self._heatmaps = [Heatmap(gui, side) for side in range(2)]
+            gui.add_html(caption("<b>Maps 1, 15 and 30</b>, as in the paper's figure"))
+            self._compared = ComparedMaps(gui)
         with bottom.add_tab("Errors"):
             self._errors = ErrorCharts(gui)
         with bottom.add_tab("Compare"):
@@ -69,14 +73,17 @@ class Panels:
             )
         with bottom.add_tab("Sweeps"):
             self._sweeps = SweepPanel(gui, actions.open_scene, actions.redraw)
-        with bottom.add_tab("Maps 1, 15, 30"):
-            self._compared = ComparedMaps(gui)
+        with bottom.add_tab("Inspect"):
+            self._inspect = InspectPanel(gui, state, actions.inspect)
         top.dock_right()
         top.set_width(CHARTS_WIDTH)
         bottom.dock_below(top)
 
-    def draw(self, run: Run, comparison: Comparison, state: State, iteration: int) -> None:
+    def draw(
+        self, run: Run, comparison: Comparison, state: State, iteration: int, inspection: Inspection | None
+    ) -> None:
         """Draw everything after so many iterations."""
+        self._inspect.draw(inspection, state)
         self._compare.draw(comparison, state)
         self._sweeps.draw(state)
         for chart in self._histograms:

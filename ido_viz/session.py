@@ -12,18 +12,21 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import viser
 
 from ido import Perturbation
-from ido_viz.canvas import Canvas
+from ido.types import FloatArray
+from ido_viz.canvas import Canvas, point_at
 from ido_viz.compare import Comparison
 from ido_viz.controls import Actions, Controls
 from ido_viz.library import Library
 from ido_viz.live import LiveRun
+from ido_viz.microscope import inspect
 from ido_viz.panels import Panels
 from ido_viz.run import Run
-from ido_viz.state import LAST, State, StateError, decode
+from ido_viz.state import LAST, NO_POINT, State, StateError, decode
 from ido_viz.sweeps import Choice
 
 FRAME = 1 / 30
@@ -108,6 +111,19 @@ class Session:
     def _open_scene(self, choice: Choice) -> None:
         self._change(lambda state: self._library.checked(choice.at(state)), show=True)
 
+    def _inspect(self, changes: dict[str, Any]) -> None:
+        run = self._run
+        if run is not None and "inspected" in changes:
+            last = len(run.sides[0].histogram.model.points) - 1
+            changes = {**changes, "inspected": int(min(max(changes["inspected"] or 0, NO_POINT), last))}
+        self._change(lambda state: replace(state, **changes))
+
+    def _click(self, origin: FloatArray, direction: FloatArray) -> None:
+        run = self._run
+        found = point_at(run, origin, direction) if run else None
+        if found:
+            self._change(lambda state: replace(state, inspected_pane=found[0], inspected=found[1]))
+
     def _play(self) -> None:
         def toggled(state: State) -> State:
             if state.playing:
@@ -179,12 +195,13 @@ class Session:
             cancel_comparison=self._comparison.cancel,
             show_method=self._show_method,
             open_scene=self._open_scene,
+            inspect=self._inspect,
             redraw=self._wake,
         )
         with self._client.atomic():
             self._controls = Controls(self._client, self._library, self._state, actions)
-            self._panels = Panels(self._client, actions)
-            self._canvas = Canvas(self._client)
+            self._panels = Panels(self._client, self._state, actions)
+            self._canvas = Canvas(self._client, self._click)
         self._theme: bool | None = None
         while True:
             with self._awake:
@@ -244,8 +261,9 @@ class Session:
                     dark_mode=state.dark, show_logo=False, show_share_button=False, brand_color=(0, 114, 178)
                 )
                 self._theme = state.dark
-            self._canvas.draw(self._run, state, iteration)
-            self._panels.draw(self._run, self._comparison, state, iteration)
+            inspection = inspect(self._run, state, iteration)
+            self._canvas.draw(self._run, state, iteration, inspection)
+            self._panels.draw(self._run, self._comparison, state, iteration, inspection)
             self._controls.show_run(self._run, state, iteration)
             self._controls.show_cancel(self._live.slow)
             if not self._dirty:  # the slider may have been dragged on meanwhile

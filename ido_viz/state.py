@@ -13,6 +13,12 @@ from ido import RANGES, Perturbation
 from ido.registration import EPSILON, MAX_ITERATIONS
 
 BinOrder = Literal["reference value", "model index", "elevation", "azimuth"]
+Coloring = Literal["height", "whole update", "ρx", "ρy", "ρz", "φx", "φy", "φz"]
+Pane = Literal["left", "right"]
+Question = Literal["front / back", "up / down", "clockwise / anticlockwise"]
+NO_POINT = -1
+"""Number of the inspected model point when there is none."""
+
 LAST = -1
 """Iteration that stands for the last one, however many there are."""
 
@@ -43,6 +49,11 @@ class State:
         difference: show histogram minus reference.
         pinned_map: number of the map in the heatmap, 0 to follow the iteration.
         ghost: show where the scene belongs.
+        inspected: number of the model point that is looked into; `NO_POINT` for none.
+        inspected_pane: whose method is looked into.
+        question: which of the point's questions colours the scene points.
+        coloring: what the model points' colours mean: height, or their share in the next update or one of its numbers.
+        against_reference: shares of what differs from the reference alone.
         dark: dark page.
 
     Raises:
@@ -62,6 +73,11 @@ class State:
     difference: bool = False
     pinned_map: int = 0
     ghost: bool = True
+    inspected: int = NO_POINT
+    inspected_pane: Pane = "right"
+    question: Question = "front / back"
+    coloring: Coloring = "height"
+    against_reference: bool = False
     dark: bool = False
 
     def __post_init__(self) -> None:
@@ -69,14 +85,17 @@ class State:
             kind = Perturbation if f.name == "perturbation" else type(f.default)
             if type(getattr(self, f.name)) is not kind and not (kind is float and type(getattr(self, f.name)) is int):
                 raise StateError(f"{f.name} must be of the kind {kind.__name__}, not {getattr(self, f.name)!r}")
-        if self.order not in get_args(BinOrder):
-            raise StateError(f"unknown order of bins {self.order!r}; known: {', '.join(get_args(BinOrder))}")
+        choices = {"order": BinOrder, "inspected_pane": Pane, "question": Question, "coloring": Coloring}
+        for name, known in choices.items():
+            if getattr(self, name) not in get_args(known):
+                raise StateError(f"unknown {name} {getattr(self, name)!r}; known: {', '.join(get_args(known))}")
         limits = {
             "epsilon": EPSILON_RANGE,
             "max_iterations": (1, LONGEST_RUN),
             "iteration": (LAST, LONGEST_RUN),
             "speed": (1, 60),
             "pinned_map": (0, 1000),
+            "inspected": (NO_POINT, 1_000_000),
         }
         for name, (low, high) in limits.items():
             if not low <= getattr(self, name) <= high:

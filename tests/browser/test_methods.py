@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from explorer import Explorer
+import numpy as np
+from explorer import Explorer, box_of
 
 from ido.methods import method_names
 from ido_viz.compare import COLUMNS
@@ -68,3 +69,28 @@ def test_a_scene_of_the_shipped_results_is_opened(explorer: Explorer):
     accuracy = explorer.numbers()["PointAcc"][1]
     assert state.right == "Improved DO"
     assert abs(float(accuracy) - float(scene.split()[-1].rstrip(")"))) <= 0.02
+
+
+def test_a_model_point_is_picked_by_a_click_and_looked_into(explorer: Explorer):
+    explorer.open_tab("Inspect")
+    explorer.choose("Its question", "up / down")
+    canvas = box_of(explorer.canvas())
+    before = explorer.canvas_halves()[1]
+    for share in (0.52, 0.5, 0.54, 0.56, 0.48):  # whichever is on a point
+        explorer.page.mouse.click(canvas["x"] + 0.74 * canvas["width"], canvas["y"] + share * canvas["height"])
+        explorer.pause(600)
+        if explorer.state().inspected >= 0:
+            break
+    point = explorer.state().inspected
+    assert point >= 0
+    assert explorer.state().inspected_pane == "right"
+    explorer.page.get_by_text(f"model point {point}", exact=True).wait_for()
+    assert explorer.field("Model point").input_value() == str(point)
+    changed = np.abs(explorer.canvas_halves()[1] - before).max(axis=2) > 60
+    assert changed.sum() > 500
+    explorer.choose("Model colours", "whole update")
+    explorer.type_into("Model point", "99999999")
+    explorer.wait_until("the last point", lambda: explorer.state().inspected == 513)
+    explorer.type_into("Model point", "-1")
+    explorer.wait_until("no point", lambda: explorer.state().inspected == -1)
+    explorer.expect_alive()

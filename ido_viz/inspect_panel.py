@@ -1,0 +1,143 @@
+"""The panel that looks into one pane's method: its strongest bins, its blocks, and one model point."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+from typing import Any, get_args
+
+import numpy as np
+import viser
+
+from ido.attribution import bin_name
+from ido.poses import PARAMETERS
+from ido_viz.charts import caption, method_span
+from ido_viz.microscope import Inspection
+from ido_viz.state import NO_POINT, Coloring, Pane, Question, State
+
+Change = Callable[[dict[str, Any]], None]
+"""Called with the fields of the state that a person changed."""
+
+
+class InspectPanel:
+    """The widgets and tables of one page."""
+
+    def __init__(self, gui: viser.GuiApi, state: State, change: Change) -> None:
+        self._inputs: dict[str, Any] = {
+            "inspected_pane": gui.add_dropdown(
+                "Look into the", get_args(Pane), initial_value=state.inspected_pane, hint="The method of this pane."
+            ),
+            "coloring": gui.add_dropdown(
+                "Model colours",
+                get_args(Coloring),
+                initial_value=state.coloring,
+                hint="Colour each model point by its share in the next update, or in one of its six numbers.",
+            ),
+            "against_reference": gui.add_checkbox(
+                "Against the reference",
+                state.against_reference,
+                hint="Shares of what differs from the reference line alone.",
+            ),
+            "inspected": gui.add_number(
+                "Model point",
+                state.inspected,
+                min=NO_POINT,
+                step=1,
+                hint="Its number, or click a grey point of the model in the 3D view; -1 for none.",
+            ),
+            "question": gui.add_dropdown(
+                "Its question",
+                get_args(Question),
+                initial_value=state.question,
+                hint="Colours the scene points by the model point's answer, paler where they count less.",
+            ),
+        }
+        for name, handle in self._inputs.items():
+            handle.on_update(lambda event, name=name: change({name: event.target.value}) if event.client else None)
+        self._bins: Any = gui.add_dropdown(
+            "Strongest bins", ("–",), initial_value="–", hint="Choose one to look into its model point."
+        )
+        self._bins.on_update(lambda event: self._choose(event.target.value, change) if event.client else None)
+        self._tables = gui.add_html("")
+
+    def _choose(self, text: str, change: Change) -> None:
+        if text != "–":
+            change({"inspected": int(text.split()[0])})
+
+    def draw(self, inspection: Inspection | None, state: State) -> None:
+        """Draw the tables, and write the state into the widgets where it differs."""
+        for name, handle in self._inputs.items():
+            if handle.value != getattr(state, name):
+                handle.value = getattr(state, name)
+        if inspection is None:
+            content, bins = caption("This method has no histogram and no maps to look into."), ("–",)
+        else:
+            content = tables_html(inspection, state)
+            bins = tuple(bin_label(inspection, int(number)) for number in inspection.strongest)
+        if self._tables.content != content:
+            self._tables.content = content
+        if self._bins.options != bins and not state.playing:  # a list that is in use must not change
+            self._bins.options = bins
+
+
+def bin_label(inspection: Inspection, number: int) -> str:
+    """A bin by its model point, side and share."""
+    side, point = bin_name(inspection.side.histogram, number)
+    return f"{point} {side} {inspection.values[number]:+.4f}"
+
+
+def tables_html(inspection: Inspection, state: State) -> str:
+    """The shares of the blocks, and the bins of the inspected point."""
+    side, shares = inspection.side, inspection.shares
+    what = "its length" if state.coloring not in PARAMETERS else state.coloring
+    title = f"<b>{method_span(side.method, inspection.pane)}</b> next update, by blocks"
+    blocks = [
+        (" / ".join(block), f"{total:+.4f}", *(f"{value:+.3f}" for value in of_block))
+        for block, total, of_block in zip(
+            side.histogram.blocks,
+            inspection.values.reshape(len(side.histogram.blocks), -1).sum(axis=1),
+            shares.of_blocks.T,
+            strict=True,
+        )
+    ]
+    total = ("all", f"{inspection.values.sum():+.4f}", *(f"{value:+.3f}" for value in shares.update))
+    parts = [caption(title), table_html(("", what, *PARAMETERS), [*blocks, total])]
+    if inspection.point is not None:
+        parts += [caption(f"model point {inspection.point}"), point_table(inspection, what)]
+    else:
+        parts.append(caption("Click a point of the model in the 3D view to see its bins."))
+    return "".join(parts)
+
+
+def point_table(inspection: Inspection, what: str) -> str:
+    """The bins of the inspected point: what they hold, what the reference holds, the weight, and the share."""
+    histogram, point = inspection.side.histogram, inspection.point
+    assert point is not None
+    n_model = len(histogram.model.points)
+    names = [name for block in histogram.blocks for name in block]
+    weights = getattr(histogram, "weights", np.ones((len(names), n_model)))
+    rows = [
+        (
+            name,
+            f"{inspection.seen[i * n_model + point]:.4f}",
+            f"{histogram.reference[i * n_model + point]:.4f}",
+            f"{weights[i, point]:.2f}",
+            f"{inspection.values[i * n_model + point]:+.5f}",
+        )
+        for i, name in enumerate(names)
+    ]
+    return table_html(("side", "bin", "reference", "weight", f"share in {what}"), rows)
+
+
+def table_html(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A table with its first column to the left and numbers to the right."""
+    cells = "".join(_cell("th", i, c) for i, c in enumerate(head))
+    body = "".join("<tr>" + "".join(_cell("td", i, c) for i, c in enumerate(row)) + "</tr>" for row in rows)
+    return (
+        '<table style="width:calc(100% - 16px);margin:2px 8px 6px 8px;font-size:10.5px;line-height:1.4;'
+        f'font-variant-numeric:tabular-nums;border-collapse:collapse"><tr>{cells}</tr>{body}</table>'
+    )
+
+
+def _cell(kind: str, column: int, content: str) -> str:
+    return f'<{kind} style="text-align:{"right" if column else "left"}">{html.escape(content)}</{kind}>'
