@@ -38,7 +38,7 @@ def readout_html(run: Run, iteration: int) -> str:
         for name, cells in rows
     )
     return (
-        '<table style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:12px;line-height:1.35;'
+        '<table class="readout" style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:12px;line-height:1.35;'
         f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>' + _LEGEND
     )
 

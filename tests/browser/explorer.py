@@ -29,7 +29,7 @@ COUNT_DRAWN_PIXELS = """canvas => {
     return data.filter((value, i) => i % 4 == 3 && value).length;
 }"""
 
-READ_TABLE = """() => [...document.querySelectorAll("tr")].map(
+READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
 )"""  # at once: the table is replaced many times a second
 
