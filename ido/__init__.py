@@ -11,6 +11,7 @@ from ido.maps import Maps, MapsError, TrainingCurves, TrainingSettings
 from ido.methods import Method, method_names, shipped_method
 from ido.perturbation import RANGES, Perturbation, Scene, perturb
 from ido.registration import StopReason, Trajectory, register, register_batch
+from ido.runs import RecordedMethod, RecordedRun, RunError, load_run
 from ido.scores import Scores, score
 from ido.shipped import SHAPES, shipped_cloud, shipped_maps, shipped_results
 from ido.training import train
@@ -29,6 +30,9 @@ __all__ = [
     "Method",
     "Model",
     "Perturbation",
+    "RecordedMethod",
+    "RecordedRun",
+    "RunError",
     "Scene",
     "SceneBatch",
     "Scores",
@@ -38,6 +42,7 @@ __all__ = [
     "Trajectory",
     "TripleBinary",
     "load_cloud",
+    "load_run",
     "method_names",
     "perturb",
     "register",

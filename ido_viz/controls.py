@@ -12,6 +12,7 @@ import viser
 
 from ido import RANGES, Perturbation
 from ido.perturbation import LARGEST_SEED, OutlierKind
+from ido_viz.export import ExportFolder, Shown
 from ido_viz.library import Library
 from ido_viz.readout import readout_html
 from ido_viz.run import Run
@@ -51,6 +52,7 @@ class Actions:
     open_scene: Callable[[Choice], None]
     inspect: Callable[[dict[str, Any]], None]
     redraw: Callable[[], None]
+    shown: Shown
 
 
 class Controls:
@@ -66,6 +68,7 @@ class Controls:
         self._methods(gui, state)
         self._view(gui, state)
         self._share(gui, actions)
+        ExportFolder(client, actions.shown)
         for handle in self._inputs.values():
             handle.on_update(self._on_input)
         for label, key, act in (

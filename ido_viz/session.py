@@ -49,6 +49,7 @@ class Session:
         self._dirty = True
         self._closed = False
         self._run: Run | None = None
+        self._drawn: tuple[Run, State] | None = None
         self._live = LiveRun(library, self._wake)
         self._comparison = Comparison(library, self._wake)
         self._position = float(max(state.iteration, 0))  # the iteration while playing, with its fraction
@@ -197,6 +198,7 @@ class Session:
             open_scene=self._open_scene,
             inspect=self._inspect,
             redraw=self._wake,
+            shown=lambda: self._drawn,
         )
         with self._client.atomic():
             self._controls = Controls(self._client, self._library, self._state, actions)
@@ -263,6 +265,7 @@ class Session:
                 self._theme = state.dark
             inspection = inspect(self._run, state, iteration)
             self._canvas.draw(self._run, state, iteration, inspection)
+            self._drawn = (self._run, state)
             self._panels.draw(self._run, self._comparison, state, iteration, inspection)
             self._controls.show_run(self._run, state, iteration)
             self._controls.show_cancel(self._live.slow)

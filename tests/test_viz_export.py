@@ -139,8 +139,9 @@ class Recording:
         ]
 
     def last(self, name: str, key: str, seconds: float) -> Any:
-        """What a node's property is at a time."""
-        return [m[key] for t, m in self.messages if m.get("name") == name and key in m and t <= seconds][-1]
+        """What a node's pose or visibility is at a time."""
+        start = {"wxyz": (1, 0, 0, 0), "position": (0, 0, 0), "visible": True}[key]
+        return [start, *(m[key] for t, m in self.messages if m.get("name") == name and key in m and t <= seconds)][-1]
 
 
 @pytest.fixture(scope="module")
@@ -304,7 +305,7 @@ def test_what_is_shown_at_the_click_is_sent(run: Run, state: State):
 
 
 def test_what_is_not_there_yet_is_not_sent(run: Run, state: State):
-    waiting = waiting_side(state, LIBRARY, "KCCE, default", make_scene(state, LIBRARY), "computing, iteration 12")
+    waiting = waiting_side(state, LIBRARY, "CPD, default", make_scene(state, LIBRARY), "computing, iteration 12")
     page = Page(lambda: None)
     page.buttons[0].click()
     page.shown = lambda: (replace(run, sides=(run.sides[0], waiting)), state)
@@ -312,7 +313,7 @@ def test_what_is_not_there_yet_is_not_sent(run: Run, state: State):
         button.click()
     assert page.files == {}
     assert page.notes[0].startswith("Nothing to download yet")
-    assert page.notes[1:] == ["Nothing to download yet: KCCE, default: computing, iteration 12"] * len(EXPORTS)
+    assert page.notes[1:] == ["Nothing to download yet: CPD, default: computing, iteration 12"] * len(EXPORTS)
 
 
 def test_a_failure_is_told_and_the_button_works_again(run: Run, state: State):
@@ -320,7 +321,7 @@ def test_a_failure_is_told_and_the_button_works_again(run: Run, state: State):
     page = Page(lambda: (spoilt, state))
     page.buttons[0].click()
     assert page.files == {}
-    assert page.notes == ["The file could not be made: RunError: its points holds numbers that are not finite"]
+    assert page.notes == ["The file could not be made: RunError: its rmse holds numbers that are not finite"]
     page.shown = lambda: (run, state)
     page.buttons[0].click()
     assert list(page.files) == ["ido-bunny-3.npz"]
