@@ -13,6 +13,7 @@ import tyro
 
 from ido import CloudError, MapsError
 from ido_viz.app import App
+from ido_viz.lessons import lesson
 from ido_viz.library import Library, shipped_library
 from ido_viz.run import compute
 from ido_viz.state import State, StateError, decode
@@ -30,6 +31,8 @@ class Options:
     """Maps that `ido train` made of that cloud; the first two are shown."""
     state: str | None = None
     """Code of the state to begin with, copied from the page's Share box."""
+    lesson: str | None = None
+    """Lesson to begin with; a wrong name lists them all."""
     host: str = "127.0.0.1"
     """Address to listen on; 0.0.0.0 lets other machines in."""
     port: Annotated[int, tyro.conf.arg(metavar="PORT")] = 8080
@@ -68,7 +71,10 @@ def start(options: Options) -> tuple[Library, State]:
         MapsError: a maps file cannot be used.
     """
     library = shipped_library()
-    state = decode(options.state) if options.state else State()
+    if options.lesson and (options.state or options.shape or options.cloud or options.maps):
+        raise StateError("give --lesson without --state, --shape, --cloud and --maps")
+    state = lesson(options.lesson).steps[0].state if options.lesson else State()
+    state = decode(options.state) if options.state else state
     if (options.cloud is None) != (not options.maps):
         raise StateError("give --cloud and --maps together; make maps with `ido train CLOUD -o FILE`")
     shape = options.shape

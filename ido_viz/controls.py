@@ -50,6 +50,7 @@ class Actions:
     cancel_comparison: Callable[[], None]
     show_method: Callable[[str, str], None]
     open_scene: Callable[[Choice], None]
+    open_page: Callable[[State], None]
     inspect: Callable[[dict[str, Any]], None]
     redraw: Callable[[], None]
     shown: Shown

@@ -9,6 +9,7 @@ from ido_viz.compare import ComparePanel, Comparison
 from ido_viz.controls import Actions
 from ido_viz.heatmaps import ComparedMaps, Heatmap
 from ido_viz.inspect_panel import InspectPanel
+from ido_viz.lesson_panel import LessonPanel
 from ido_viz.microscope import Inspection
 from ido_viz.run import Run
 from ido_viz.state import State
@@ -52,6 +53,8 @@ class Panels:
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
         gui.main_panel.set_width(CONTROLS_WIDTH)
+        with gui.add_folder("Lessons", order=-1):  # above the controls, so that the charts stay in sight
+            LessonPanel(gui, actions.open_page, state)
         top = gui.add_panel(order=0)
         with top.add_tab("Histograms", viser.Icon.CHART_HISTOGRAM):
             height = _chart_height(client.camera.image_height)

@@ -162,10 +162,13 @@ class Session:
             self._tell("This code cannot be used", str(error))
             return
 
-        def begin(_: State) -> State:
+        self._open_page(state, keep_dark=False)
+
+    def _open_page(self, state: State, *, keep_dark: bool = True) -> None:
+        def begin(now: State) -> State:
             self._position = float(max(state.iteration, 0))
             self._ticked = time.perf_counter()
-            return state
+            return replace(state, dark=now.dark) if keep_dark else state
 
         self._change(begin, show=True)
 
@@ -196,6 +199,7 @@ class Session:
             cancel_comparison=self._comparison.cancel,
             show_method=self._show_method,
             open_scene=self._open_scene,
+            open_page=self._open_page,
             inspect=self._inspect,
             redraw=self._wake,
             shown=lambda: self._drawn,

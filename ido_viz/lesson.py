@@ -1,0 +1,170 @@
+"""What a lesson is made of: steps, each a saved page and a few sentences, some of them claims that can be checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ido import poses
+from ido.experiments.paper import PAPER_TABLES
+from ido.shipped import shipped_results
+from ido.types import FloatArray
+from ido_viz.library import shipped_library
+from ido_viz.readout import verdict
+from ido_viz.run import MethodRun, Run, compute
+from ido_viz.state import State
+
+Check = Callable[[Run], bool]
+LEFT, RIGHT = 0, 1
+BOTH = (LEFT, RIGHT)
+MOST_WORDS = 90
+"""Longest text of a step."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A sentence about a result, and whether it holds for the run of its step's state."""
+
+    text: str
+    holds: Check
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A saved page and what to look at and to try on it.
+
+    Args:
+        parts: the text, markdown, in the order in which it is read.
+        state: the whole page.
+    """
+
+    parts: tuple[str | Claim, ...]
+    state: State
+
+    @property
+    def text(self) -> str:
+        """All of the text, markdown."""
+        return " ".join(part.text if isinstance(part, Claim) else part for part in self.parts)
+
+    @property
+    def claims(self) -> tuple[Claim, ...]:
+        """The sentences about results."""
+        return tuple(part for part in self.parts if isinstance(part, Claim))
+
+
+@dataclass(frozen=True, slots=True)
+class Lesson:
+    """A few steps about one thing.
+
+    Args:
+        name: short, for ``ido-viz --lesson NAME``.
+        title: as it is offered on the page.
+        steps: in the order in which they are taken.
+    """
+
+    name: str
+    title: str
+    steps: tuple[Step, ...]
+
+
+def ends(place: str, *sides: int) -> Check:
+    """Whether the sides end as the page puts it: "in place", "nearly in place" or "wrong pose"."""
+
+    def check(run: Run) -> bool:
+        ended = [run.sides[side] for side in sides]
+        return all(verdict(side, side.trajectory.iterations).endswith(f", {place}") for side in ended)
+
+    return check
+
+
+BOTH_IN_PLACE = Claim("Both end *in place*.", ends("in place", *BOTH))
+BOTH_WRONG = Claim("Both end in a *wrong pose*.", ends("wrong pose", *BOTH))
+
+
+def at(state: State, check: Check) -> Check:
+    """Whether something holds for the run of another state."""
+    return lambda _: check(compute(state, shipped_library()))
+
+
+def rotation_error(run: Run, side: int, iteration: int) -> float:
+    """Rotation still to go after so many iterations, degrees."""
+    its = run.sides[side]
+    return float(its.scores.rotation[its.clipped(iteration)])
+
+
+def from_line(side: MethodRun, histogram: FloatArray) -> FloatArray:
+    """How far each block of a histogram is from the reference line, as a share of the line's own length; (blocks,)."""
+    reference = blocks_of(side, side.histogram.reference)
+    return np.linalg.norm(blocks_of(side, histogram) - reference, axis=1) / np.linalg.norm(reference, axis=1)
+
+
+def in_its_place(run: Run, side: int) -> FloatArray:
+    """The histogram of the scene where it belongs."""
+    moved = poses.transform(run.scene.T_model_scene, run.scene.points)
+    return run.sides[side].histogram(moved, np.zeros(6))
+
+
+def change_by_outliers(run: Run, side: int) -> FloatArray:
+    """How much the outliers change each block, of length 1, of the histogram at the start; shape (blocks,)."""
+    its, start = run.sides[side], np.zeros(6)
+    without = its.histogram(run.scene.points[~run.scene.is_outlier], start)
+    return np.linalg.norm(blocks_of(its, its.histogram(run.scene.points, start) - without), axis=1)
+
+
+def blocks_of(side: MethodRun, values: FloatArray) -> FloatArray:
+    """Values of all bins, or of all columns of a map, by block: shape (blocks, ...)."""
+    return values.reshape(len(side.histogram.blocks), -1)
+
+
+def map_size(run: Run, side: int, number: int) -> float:
+    """Root of the summed squares of a map's entries; maps are numbered from 1."""
+    return float(np.linalg.norm(_map(run.sides[side], number)))
+
+
+def angle_share(run: Run, side: int, number: int) -> float:
+    """Share of a map's summed squares that belongs to the questions about angles."""
+    of_blocks = (_map(run.sides[side], number) ** 2).sum(axis=0).reshape(len(run.sides[side].histogram.blocks), -1)
+    return float(of_blocks[1:].sum() / of_blocks.sum())
+
+
+def front_share(run: Run, side: int, number: int) -> float:
+    """Share of front in what a map makes of front and back, the bins' own weights counted in."""
+    its = run.sides[side]
+    sides = (_map(its, number) ** 2).sum(axis=0).reshape(-1, len(its.histogram.model.points))
+    weights = getattr(its.histogram, "weights", np.ones(sides.shape))
+    front, back = (sides * weights.astype(np.float64) ** 2).sum(axis=1)[:2]
+    return float(front / (front + back))
+
+
+def _map(side: MethodRun, number: int) -> FloatArray:
+    assert side.maps is not None
+    return side.maps.maps[number - 1].astype(np.float64)
+
+
+@lru_cache
+def mean(method: str, sweep: str = "", level: float | None = None, shape: str = "bunny") -> float:
+    """Mean PointAcc of a method in the shipped results: of all sweeps, of one, or at one of its levels.
+
+    Raises:
+        ValueError: there are none.
+    """
+    rows = shipped_results().where(dataset=shape, method=method)
+    chosen = np.full(len(rows), True) if not sweep else rows.sweep == sweep
+    if level is not None:
+        chosen &= np.isclose(rows.level, level)
+    if not chosen.any():
+        raise ValueError(f"no results of {method} in {sweep} at {level}")
+    return float(np.mean([rows.accuracy[chosen & (rows.sweep == name)].mean() for name in set(rows.sweep[chosen])]))
+
+
+def means(*expected: tuple[str, str], sweep: str = "", level: float | None = None) -> Check:
+    """Whether the methods' means on the bunny are those written, such as ``("DO", "0.81")``."""
+    return lambda _: all(f"{mean(method, sweep, level):.2f}" == written for method, written in expected)
+
+
+def paper_says(sweep: str, *expected: tuple[str, str]) -> Check:
+    """Whether the paper's Table I, of the bunny, prints these figures."""
+    return lambda _: all(f"{PAPER_TABLES[0].values[sweep][method]:.3f}" == written for method, written in expected)
