@@ -71,7 +71,7 @@ def named(run: Run, left: str, right: str) -> Run:
 def assert_only_text(source: str, name: str) -> None:
     page = Page(source)
     assert set(page.tags) <= HARMLESS
-    assert set(page.attributes) <= {"style"}
+    assert set(page.attributes) <= {"class", "style"}
     assert page.open == []
     assert name in page.text
 

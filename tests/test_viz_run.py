@@ -35,6 +35,11 @@ DOES_NOT_MATTER: dict[str, Any] = {
     "difference": True,
     "pinned_map": 15,
     "ghost": False,
+    "inspected": 7,
+    "inspected_pane": "left",
+    "question": "up / down",
+    "coloring": "ρx",
+    "against_reference": True,
     "dark": True,
 }
 
