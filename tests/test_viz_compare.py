@@ -13,7 +13,7 @@ from tab import PATIENCE, PAUSED
 from ido import StopReason
 from ido.baselines import Nothing
 from ido.baselines.baseline import Record
-from ido.methods import BASELINES, method_names
+from ido.methods import BASELINES
 from ido.types import DoubleArray
 from ido_viz.compare import SORTS, Comparison, Row, head_html, label
 from ido_viz.library import shipped_library
@@ -51,7 +51,7 @@ def test_every_method_gets_its_row_with_what_its_own_registration_gives(seen: Se
     comparison = Comparison(shipped_library(), seen)
     comparison.begin(PAUSED)
     seen.wait(lambda: not comparison.running)
-    assert [row.method for row in comparison.rows] == list(method_names("bunny"))
+    assert [row.method for row in comparison.rows] == list(shipped_library().methods("bunny"))
     for row in comparison.rows:
         side = compute(replace(PAUSED, left=row.method), shipped_library()).sides[0]
         assert np.isclose(row.accuracy, side.scores.accuracy[-1])
@@ -80,7 +80,7 @@ def test_a_new_comparison_takes_the_place_of_the_one_under_way(seen: Seen) -> No
     comparison.begin(other)
     seen.wait(lambda: not comparison.running)
     assert comparison.fits(other)
-    assert [row.method for row in comparison.rows] == list(method_names("urban"))
+    assert [row.method for row in comparison.rows] == list(shipped_library().methods("urban"))
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_a_failing_method_gets_a_row_that_says_so(seen: Seen, monkeypatch: pytes
     comparison = Comparison(shipped_library(), seen)
     comparison.begin(PAUSED)
     seen.wait(lambda: not comparison.running)
-    assert len(comparison.rows) == len(method_names("bunny"))
+    assert len(comparison.rows) == len(shipped_library().methods("bunny"))
     failed = next(row for row in comparison.rows if row.method == "Did nothing")
     assert "✗ ZeroDivisionError" in label(failed)
     assert max(comparison.rows, key=SORTS["PointRMSE"]) == failed

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from explorer import Explorer, box_of
 
-from ido.methods import method_names
 from ido_viz.compare import COLUMNS
+from ido_viz.library import shipped_library
 
 
 def test_a_baseline_registers_steps_and_follows_a_slider(explorer: Explorer):
@@ -27,7 +27,7 @@ def test_a_baseline_registers_steps_and_follows_a_slider(explorer: Explorer):
 def test_all_methods_are_compared_sorted_and_shown_by_a_click(explorer: Explorer):
     explorer.open_tab("Compare")
     explorer.press("Compare all methods")
-    names = method_names("bunny")
+    names = shipped_library().methods("bunny")
     explorer.page.get_by_text(f"{len(names)} of {len(names)} methods", exact=True).wait_for()
     rows = explorer.page.get_by_role("button").filter(has_text="KCCE (reconstr.)")
     explorer.wait_until("all rows", lambda: rows.count() == 2)
