@@ -116,21 +116,22 @@ def _side(
     return MethodRun(name, method.maps, histogram, trajectory, poses, score(scene, poses), waiting)
 
 
-def bin_order(histogram: Histogram, order: str) -> np.ndarray:
+def bin_order(histogram: Histogram, order: str, contribution: FloatArray | None = None) -> np.ndarray:
     """The order in which a histogram's bins are drawn, shape (n_bins,): sides stay together, each ordered within.
 
-    Both sides of a block are in the same order of model points, but for the order by reference value.
+    By elevation, azimuth and model index, both sides of a block are in the same order of model points. By contribution
+    they run from the smallest to the largest value of `contribution` (n_bins,); without it, by model index.
     """
     model = histogram.model.points.astype(np.float64)
     n_model = len(model)
     n_sides = histogram.n_bins // n_model
-    if order == "reference value":
-        within = np.argsort(histogram.reference.reshape(n_sides, n_model), axis=1, kind="stable")
+    by_bin = histogram.reference if order == "reference value" else contribution if order == "contribution" else None
+    if by_bin is not None:
+        within = np.argsort(by_bin.reshape(n_sides, n_model), axis=1, kind="stable")
     else:
         keys = {
-            "model index": np.arange(n_model),
             "elevation": np.arctan2(model[:, 2], np.hypot(model[:, 0], model[:, 1])),
             "azimuth": np.arctan2(model[:, 1], model[:, 0]),
         }
-        within = np.tile(np.argsort(keys[order], kind="stable"), (n_sides, 1))
+        within = np.tile(np.argsort(keys.get(order, np.arange(n_model)), kind="stable"), (n_sides, 1))
     return (within + n_model * np.arange(n_sides)[:, None]).reshape(-1)

@@ -12,9 +12,11 @@ from typing import Any, Literal, get_args
 from ido import RANGES, Perturbation
 from ido.registration import EPSILON, MAX_ITERATIONS
 
-BinOrder = Literal["reference value", "model index", "elevation", "azimuth"]
+BinOrder = Literal["reference value", "model index", "elevation", "azimuth", "contribution"]
 Coloring = Literal["height", "whole update", "ρx", "ρy", "ρz", "φx", "φy", "φz"]
+Overlay = Literal["nothing", "other method", "another iteration"]
 Pane = Literal["left", "right"]
+Part = Literal["lessons", "presets", "scene", "methods", "view", "download", "scores", "upper charts", "lower charts"]
 Question = Literal["front / back", "up / down", "clockwise / anticlockwise"]
 NO_POINT = -1
 """Number of the inspected model point when there is none."""
@@ -49,12 +51,18 @@ class State:
         difference: show histogram minus reference.
         pinned_map: number of the map in the heatmap, 0 to follow the iteration.
         ghost: show where the scene belongs.
+        error_vectors: draw a line from each scene point to where it belongs.
+        overlay: what else is drawn in each pane, and in its histogram: the scene at another pose.
+        overlaid_iteration: the other iteration, for that overlay.
         inspected: number of the model point that is looked into; `NO_POINT` for none.
+        scene_point: number of the scene point that it is asked about; `NO_POINT` for all alike.
         inspected_pane: whose method is looked into.
         question: which of the point's questions colours the scene points.
         coloring: what the model points' colours mean: height, or their share in the next update or one of its numbers.
         against_reference: shares of what differs from the reference alone.
         dark: dark page.
+        large_text: larger text, for a projector.
+        hidden: parts of the page that a lecturer has taken away, in the order of `Part`.
 
     Raises:
         StateError: a value is unknown or out of range.
@@ -73,29 +81,45 @@ class State:
     difference: bool = False
     pinned_map: int = 0
     ghost: bool = True
+    error_vectors: bool = False
+    overlay: Overlay = "nothing"
+    overlaid_iteration: int = 0
     inspected: int = NO_POINT
+    scene_point: int = NO_POINT
     inspected_pane: Pane = "right"
     question: Question = "front / back"
     coloring: Coloring = "height"
     against_reference: bool = False
     dark: bool = False
+    large_text: bool = False
+    hidden: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
         for f in fields(self):
             kind = Perturbation if f.name == "perturbation" else type(f.default)
             if type(getattr(self, f.name)) is not kind and not (kind is float and type(getattr(self, f.name)) is int):
                 raise StateError(f"{f.name} must be of the kind {kind.__name__}, not {getattr(self, f.name)!r}")
-        choices = {"order": BinOrder, "inspected_pane": Pane, "question": Question, "coloring": Coloring}
+        choices = {
+            "order": BinOrder,
+            "overlay": Overlay,
+            "inspected_pane": Pane,
+            "question": Question,
+            "coloring": Coloring,
+        }
         for name, known in choices.items():
             if getattr(self, name) not in get_args(known):
                 raise StateError(f"unknown {name} {getattr(self, name)!r}; known: {', '.join(get_args(known))}")
+        if self.hidden != tuple(part for part in get_args(Part) if part in self.hidden):
+            raise StateError(f"hidden must name parts of the page, each once: {', '.join(get_args(Part))}")
         limits = {
             "epsilon": EPSILON_RANGE,
             "max_iterations": (1, LONGEST_RUN),
             "iteration": (LAST, LONGEST_RUN),
             "speed": (1, 60),
             "pinned_map": (0, 1000),
+            "overlaid_iteration": (0, LONGEST_RUN),
             "inspected": (NO_POINT, 1_000_000),
+            "scene_point": (NO_POINT, 1_000_000),
         }
         for name, (low, high) in limits.items():
             if not low <= getattr(self, name) <= high:
@@ -136,7 +160,7 @@ def decode(code: str) -> State:
         if not isinstance(values, dict):
             raise StateError("the code holds no state")
         perturbation = Perturbation(**values.pop("perturbation", {}))
-        return State(perturbation=perturbation, **values)
+        return State(perturbation=perturbation, hidden=tuple(values.pop("hidden", ())), **values)
     except StateError:
         raise
     except (binascii.Error, zlib.error, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:

@@ -35,12 +35,18 @@ DOES_NOT_MATTER: dict[str, Any] = {
     "difference": True,
     "pinned_map": 15,
     "ghost": False,
+    "error_vectors": True,
+    "overlay": "another iteration",
+    "overlaid_iteration": 3,
     "inspected": 7,
+    "scene_point": 5,
     "inspected_pane": "left",
     "question": "up / down",
     "coloring": "ρx",
     "against_reference": True,
     "dark": True,
+    "large_text": True,
+    "hidden": ("scene", "scores"),
 }
 
 
