@@ -130,8 +130,10 @@ def bin_order(histogram: Histogram, order: str, contribution: FloatArray | None 
         within = np.argsort(by_bin.reshape(n_sides, n_model), axis=1, kind="stable")
     else:
         keys = {
+            "model index": np.arange(n_model),
+            "contribution": np.arange(n_model),
             "elevation": np.arctan2(model[:, 2], np.hypot(model[:, 0], model[:, 1])),
             "azimuth": np.arctan2(model[:, 1], model[:, 0]),
         }
-        within = np.tile(np.argsort(keys.get(order, np.arange(n_model)), kind="stable"), (n_sides, 1))
+        within = np.tile(np.argsort(keys[order], kind="stable"), (n_sides, 1))
     return (within + n_model * np.arange(n_sides)[:, None]).reshape(-1)
