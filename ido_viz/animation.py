@@ -12,7 +12,7 @@ import viser
 
 from ido.runs import chosen_iterations
 from ido_viz import palette
-from ido_viz.canvas import _Pane
+from ido_viz.pane import PaneView
 from ido_viz.run import Run
 from ido_viz.state import State
 
@@ -35,7 +35,7 @@ def animation_html(run: Run, state: State) -> bytes:
         server.scene.world_axes.visible = False
         server.initial_camera.position = _CAMERA
         server.initial_camera.look_at = _LOOK_AT
-        panes = [_Pane(server.scene, side) for side in range(2)]
+        panes = [PaneView(server.scene, side) for side in range(2)]
         _draw(panes, run, state, 0)
         recording = server.get_scene_serializer()
         recording.insert_sleep(_FIRST)
@@ -49,9 +49,9 @@ def animation_html(run: Run, state: State) -> bytes:
     return page.replace("</body>", f"{_caption(state)}</body>").encode()
 
 
-def _draw(panes: list[_Pane], run: Run, state: State, iteration: int) -> None:
-    for pane, side in zip(panes, run.sides, strict=True):
-        pane.draw(run, side, state, iteration, None)
+def _draw(panes: list[PaneView], run: Run, state: State, iteration: int) -> None:
+    for pane in panes:
+        pane.draw(run, state, iteration, None)
 
 
 @contextlib.contextmanager

@@ -129,11 +129,18 @@ class ComparePanel:
             "Compare all methods", hint="Register the scene that is shown with every method and setting."
         )
         self._start.on_click(lambda _: begin())
-        self._cancel = gui.add_button("Cancel", color="gray", visible=False)
+        self._cancel = gui.add_button(
+            "Cancel", color="gray", visible=False, hint="Keep the rows that are there and stop."
+        )
         self._cancel.on_click(lambda _: cancel())
-        self._sort = gui.add_dropdown("Sort by", tuple(SORTS), initial_value="PointAcc")
+        self._sort = gui.add_dropdown("Sort by", tuple(SORTS), initial_value="PointAcc", hint="Best first.")
         self._sort.on_update(lambda _: changed())
-        self._pane = gui.add_dropdown("Show in the", ("left pane", "right pane"), initial_value="right pane")
+        self._pane = gui.add_dropdown(
+            "Show in the",
+            ("left pane", "right pane"),
+            initial_value="right pane",
+            hint="Where the method of a row is shown when you press it.",
+        )
         self._head = gui.add_html("")
         self._folder = gui.add_folder(None)
         self._buttons: list[viser.GuiButtonHandle] = []
@@ -183,9 +190,9 @@ COLUMNS = f"{'':<26}{'Acc':>6}{'RMSE':>7}{'ms':>6}{'its':>5}"
 """Heads of the columns; its stands for iterations."""
 
 _STYLE = (  # the rows of a table, out of buttons
-    "<style>div:has(.ido-rows) ~ div .mantine-Button-label{font:10.5px monospace;white-space:pre}"
+    "<style>div:has(.ido-rows) ~ div .mantine-Button-label{font:0.66rem monospace;white-space:pre}"
     "div:has(.ido-rows) ~ div div:has(> .mantine-Button-root){padding-bottom:0!important}"
-    "div:has(.ido-rows) ~ div .mantine-Button-root{height:20px!important;padding:0;background:transparent;"
+    "div:has(.ido-rows) ~ div .mantine-Button-root{height:1.25rem!important;padding:0;background:transparent;"
     "color:var(--mantine-color-text);border-bottom:1px solid rgba(128,128,128,.25)}"
     "div:has(.ido-rows) ~ div .mantine-Button-root:hover{background:rgba(0,114,178,.15)}</style>"
 )
@@ -194,11 +201,11 @@ _STYLE = (  # the rows of a table, out of buttons
 def head_html(done: int, total: int, running: bool, fits: bool) -> str:
     """What the table is of, and the heads of its columns."""
     if total == 0:
-        return '<div style="margin:0 8px;font-size:12px">Every method and setting on the scene that is shown.</div>'
+        return '<div style="margin:0 8px;font-size:0.75rem">Every method and setting on the scene that is shown.</div>'
     text = f"{done} of {total} methods" + ("…" if running else ", then cancelled" if done < total else "")
     if not fits:
         text += ". The scene has changed since: compare again."
     return (
-        f'{_STYLE}<div class="ido-rows" style="margin:0 8px;font-size:12px"><div>{html.escape(text)}</div>'
-        f'<div style="font:10.5px monospace;white-space:pre;text-align:center;margin-top:4px">{COLUMNS}</div></div>'
+        f'{_STYLE}<div class="ido-rows" style="margin:0 8px;font-size:0.75rem"><div>{html.escape(text)}</div>'
+        f'<div style="font:0.66rem monospace;white-space:pre;text-align:center;margin-top:4px">{COLUMNS}</div></div>'
     )

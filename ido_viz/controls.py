@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypeVar, get_args
 
 import numpy as np
@@ -12,12 +11,13 @@ import viser
 
 from ido import RANGES, Perturbation
 from ido.perturbation import LARGEST_SEED, OutlierKind
-from ido_viz.export import ExportFolder, Shown
+from ido_viz.actions import Actions, plain
+from ido_viz.export import ExportFolder
 from ido_viz.library import Library
-from ido_viz.readout import readout_html
+from ido_viz.playback import Playback
 from ido_viz.run import Run
-from ido_viz.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, State, encode
-from ido_viz.sweeps import Choice
+from ido_viz.sharing import ShareFolder
+from ido_viz.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, Overlay, Part, State
 
 _STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
 _HINTS = {
@@ -28,32 +28,6 @@ _HINTS = {
     "rotation": "Angle in degrees about a random axis. The maps are trained on up to 90°.",
     "translation": "Distance in a random direction, in model units. The maps are trained on up to 0.3.",
 }
-_PREPARING = (
-    '<div style="margin:0 8px;font-size:12px">Preparing. On the very first start the numerical loops are '
-    "compiled, which takes some seconds.</div>"
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Actions:
-    """What the buttons do; each is called on a thread of the server and returns at once."""
-
-    changed: Callable[[], None]
-    play: Callable[[], None]
-    step: Callable[[int], None]
-    jump: Callable[[int], None]
-    new_seed: Callable[[], None]
-    paper_defaults: Callable[[], None]
-    apply_code: Callable[[str], None]
-    cancel: Callable[[], None]
-    compare: Callable[[], None]
-    cancel_comparison: Callable[[], None]
-    show_method: Callable[[str, str], None]
-    open_scene: Callable[[Choice], None]
-    open_page: Callable[[State], None]
-    inspect: Callable[[dict[str, Any]], None]
-    redraw: Callable[[], None]
-    shown: Shown
 
 
 class Controls:
@@ -63,12 +37,15 @@ class Controls:
         gui = client.gui
         self._library = library
         self._inputs: dict[str, Any] = {}
+        self._parts: dict[Part, viser.GuiFolderHandle] = {}
         self._actions = actions
-        self._playback(gui, state, actions)
+        self._playback = Playback(gui, state, actions)
+        self._inputs["speed"] = self._playback.speed
         self._scene(gui, state, actions)
         self._methods(gui, state)
         self._view(gui, state)
-        self._share(gui, actions)
+        self._share = ShareFolder(gui, state, actions, self._on_input)
+        self._parts["share"] = self._share.folder
         ExportFolder(client, actions.shown)
         for handle in self._inputs.values():
             handle.on_update(self._on_input)
@@ -78,30 +55,15 @@ class Controls:
             ("Back one iteration", "B", lambda: actions.step(-1)),
             ("Restart at iteration 0", "R", lambda: actions.jump(0)),
         ):
-            gui.add_command(label, hotkey=key).on_trigger(_plain(act))  # type: ignore[arg-type]
+            gui.add_command(label, hotkey=key).on_trigger(plain(act))  # type: ignore[arg-type]
 
-    def _playback(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
-        self._play = gui.add_button("Play (P)", icon=viser.Icon.PLAYER_PLAY, hint="Play or pause, also with the key P.")
-        self._play.on_click(_plain(actions.play))
-        moves: dict[str, Callable[[], None]] = {
-            "First (R)": lambda: actions.jump(0),
-            "Back (B)": lambda: actions.step(-1),
-            "Next (N)": lambda: actions.step(1),
-            "Last": lambda: actions.jump(-1),
-        }
-        buttons = gui.add_button_group("Step", tuple(moves))
-        buttons.on_click(lambda event: moves[event.target.value]())
-        self._scrub = gui.add_slider("Iteration", 0, 1, 1, 0, hint="Drag through the registration.")
-        self._scrub.on_update(lambda event: actions.jump(int(event.target.value)) if event.client else None)
-        self._inputs["speed"] = gui.add_slider(
-            "Speed", 1, 60, 1, state.speed, hint="Iterations a second while playing."
-        )
-        self._readout = gui.add_html(_PREPARING)
-        self._cancel = gui.add_button("Cancel what is computed", color="gray", visible=False)
-        self._cancel.on_click(_plain(actions.cancel))
+    def _part(self, gui: viser.GuiApi, part: Part, label: str) -> viser.GuiFolderHandle:
+        """A folder that a lecturer can hide; all are open, for what is folded away is out of the keyboard's reach."""
+        self._parts[part] = gui.add_folder(label)
+        return self._parts[part]
 
     def _scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
-        with gui.add_folder("Perturb the scene"):
+        with self._part(gui, "scene", "Perturb the scene"):
             self._inputs["shape"] = gui.add_dropdown(
                 "Shape", tuple(self._library.subjects), initial_value=state.shape, hint=self._shape_hint()
             )
@@ -128,15 +90,18 @@ class Controls:
                 "Seed", state.perturbation.seed, min=0, max=LARGEST_SEED, step=1, hint="The same seed, the same scene."
             )
             scene_buttons = {"New seed": actions.new_seed, "Paper defaults": actions.paper_defaults}
-            gui.add_button_group("Scene", tuple(scene_buttons)).on_click(
-                lambda event: scene_buttons[event.target.value]()
-            )
+            gui.add_button_group(
+                "Scene", tuple(scene_buttons), hint="Draw another scene, or take the paper's values with the same seed."
+            ).on_click(lambda event: scene_buttons[event.target.value]())
 
     def _methods(self, gui: viser.GuiApi, state: State) -> None:
-        with gui.add_folder("Methods and stopping"):
+        with self._part(gui, "methods", "Methods and stopping"):
             for name in ("left", "right"):
                 self._inputs[name] = gui.add_dropdown(
-                    f"{name.capitalize()} pane", self._library.methods(state.shape), initial_value=getattr(state, name)
+                    f"{name.capitalize()} pane",
+                    self._library.methods(state.shape),
+                    initial_value=getattr(state, name),
+                    hint=f"Any method can stand on the {name}. Slow ones compute in the background.",
                 )
             self._inputs["epsilon"] = gui.add_number(
                 "Stop below ε",
@@ -156,7 +121,7 @@ class Controls:
             )
 
     def _view(self, gui: viser.GuiApi, state: State) -> None:
-        with gui.add_folder("View"):
+        with self._part(gui, "view", "View"):
             self._inputs["order"] = gui.add_dropdown(
                 "Order bins by", get_args(BinOrder), initial_value=state.order, hint="Within each side of a block."
             )
@@ -167,15 +132,37 @@ class Controls:
                 "Maps follow the iteration", state.pinned_map == 0, hint="Otherwise the map below is shown."
             )
             self._inputs["pinned_map"] = gui.add_slider(
-                "Map", 1, 30, 1, max(1, state.pinned_map), disabled=state.pinned_map == 0
+                "Map",
+                1,
+                30,
+                1,
+                max(1, state.pinned_map),
+                disabled=state.pinned_map == 0,
+                hint="Which map is shown, when the maps do not follow the iteration.",
             )
             self._inputs["ghost"] = gui.add_checkbox("Where it belongs", state.ghost, hint="Ground truth, in green.")
-            self._inputs["dark"] = gui.add_checkbox("Dark", state.dark)
-
-    def _share(self, gui: viser.GuiApi, actions: Actions) -> None:
-        with gui.add_folder("Share", expand_by_default=False):
-            self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
-            self._code.on_update(lambda event: actions.apply_code(event.target.value) if event.client else None)
+            self._inputs["error_vectors"] = gui.add_checkbox(
+                "Error vectors", state.error_vectors, hint="A line from each scene point to where it belongs."
+            )
+            self._inputs["overlay"] = gui.add_dropdown(
+                "Overlay",
+                get_args(Overlay),
+                initial_value=state.overlay,
+                hint="Draw the scene a second time in each pane, and its histogram in grey: at the pose of the other "
+                "method, or of the iteration below.",
+            )
+            self._inputs["overlaid_iteration"] = gui.add_number(
+                "At iteration",
+                state.overlaid_iteration,
+                min=0,
+                max=LONGEST_RUN,
+                step=1,
+                hint="Which iteration is laid over; beyond the last one, the last.",
+            )
+            self._inputs["dark"] = gui.add_checkbox("Dark", state.dark, hint="Light on dark, for a dim room.")
+            self._inputs["large_text"] = gui.add_checkbox(
+                "Large text", state.large_text, hint="Larger text everywhere, for a projector."
+            )
 
     def _shape_hint(self) -> str:
         return "; ".join(f"{name}: {subject.title}" for name, subject in self._library.subjects.items())
@@ -209,7 +196,12 @@ class Controls:
             difference=value["difference"],
             pinned_map=0 if value["follow"] else _within(value["pinned_map"], 1, 30, 1),
             ghost=value["ghost"],
+            error_vectors=value["error_vectors"],
+            overlay=value["overlay"],
+            overlaid_iteration=_within(value["overlaid_iteration"], 0, LONGEST_RUN, 0),
             dark=value["dark"],
+            large_text=value["large_text"],
+            hidden=self._share.hidden,
         )
         wanted = _widget_values(newest)
         return newest, all(value[name] == wanted[name] for name in wanted)
@@ -224,34 +216,26 @@ class Controls:
             if self._inputs[name].value != value:
                 self._inputs[name].value = value
 
+        self._share.show(state)
+
     def show_run(self, run: Run, state: State, iteration: int) -> None:
-        """Write what only shows: the readouts and the labels."""
-        self._readout.content = readout_html(run, iteration)
-        label = "Pause (P)" if state.playing else "Play (P)"
-        if self._play.label != label:
-            self._play.label = label
-            self._play.icon = viser.Icon.PLAYER_PAUSE if state.playing else viser.Icon.PLAYER_PLAY
+        """Write what only shows: the readouts and the labels, and hide what is hidden."""
+        self._playback.show_run(run, state, iteration)
         if self._inputs["pinned_map"].disabled != (state.pinned_map == 0):
             self._inputs["pinned_map"].disabled = state.pinned_map == 0
+        for part, folder in self._parts.items():
+            if folder.visible != (part not in state.hidden):
+                folder.visible = part not in state.hidden
 
     def show_cancel(self, shown: bool) -> None:
         """Show or hide the button that cancels slow methods."""
-        if self._cancel.visible != shown:
-            self._cancel.visible = shown
+        self._playback.show_cancel(shown)
 
     def show_iteration(self, run: Run, state: State, iteration: int) -> None:
         """Write the iteration, and, when nothing plays, the code."""
-        last = max(1, run.iterations)
-        if self._scrub.max != last:
-            if self._scrub.value > last:
-                self._scrub.value = last
-            self._scrub.max = last
-        if self._scrub.value != iteration:
-            self._scrub.value = iteration
+        self._playback.show_iteration(run, iteration)
         if not state.playing:
-            code = encode(state)
-            if self._code.value != code:
-                self._code.value = code
+            self._share.show_code(state)
 
 
 def _widget_values(state: State) -> dict[str, Any]:
@@ -267,18 +251,17 @@ def _widget_values(state: State) -> dict[str, Any]:
         "order",
         "difference",
         "ghost",
+        "error_vectors",
+        "overlay",
+        "overlaid_iteration",
         "dark",
+        "large_text",
     ):
         values[name] = getattr(state, name)
     values["follow"] = state.pinned_map == 0
     if state.pinned_map:
         values["pinned_map"] = state.pinned_map
     return values
-
-
-def _plain(act: Callable[[], None]) -> Callable[[Any], None]:
-    """An event callback that does without the event."""
-    return lambda _: act()
 
 
 Number = TypeVar("Number", int, float)

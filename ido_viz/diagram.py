@@ -23,9 +23,16 @@ class Diagram:
         self._root = f"{root}/diagram"
         self._shown: tuple[object, ...] | None = None
 
-    def draw(self, model: Model, point: int | None, question: Question) -> None:
-        """Draw the diagram of a model point and one of its questions; nothing for None."""
-        look = (id(model), point, question)
+    def draw(self, model: Model, point: int | None, question: Question, partner: FloatArray | None = None) -> None:
+        """Draw the diagram of a model point and one of its questions; nothing for None.
+
+        Args:
+            model: whose point it is.
+            point: its number.
+            question: one of its questions.
+            partner: the one scene point that it is asked about, in the model's frame, shape (3,).
+        """
+        look = (id(model), point, question, None if partner is None else partner.tobytes())
         if look == self._shown:
             return
         self._shown = look
@@ -34,17 +41,20 @@ class Diagram:
             return
         m, n = model.points[point].astype(np.float64), model.normals[point].astype(np.float64)
         self._scene.add_frame(self._root, show_axes=False)
-        self._scene.add_icosphere(f"{self._root}/point", radius=0.045, color=(255, 220, 0), position=m)
+        self._scene.add_icosphere(f"{self._root}/point", radius=0.045, color=palette.MARK, position=m)
         if question == "front / back":
             self._surface(*disc(m, n), palette.BLOCKS[0])
-            self._lines(np.array([[m, m + 0.45 * n]]), palette.BLOCKS[0])
+            self._lines("normal", np.array([[m, m + 0.45 * n]]), palette.BLOCKS[0])
         elif question == "up / down":
             self._surface(*cone(m), palette.BLOCKS[1])
         else:
             self._surface(*half_plane(m), palette.BLOCKS[2])
         if question != "front / back":
             axis = np.array([[[0.0, 0.0, -_REACH], [0.0, 0.0, _REACH]], [[0.0, 0.0, 0.0], m]])
-            self._lines(axis, (128, 128, 128))
+            self._lines("axis", axis, (128, 128, 128))
+        if partner is not None:
+            self._scene.add_icosphere(f"{self._root}/partner", radius=0.035, color=palette.MARK, position=partner)
+            self._lines("pair", np.array([[m, partner]]), palette.MARK)
 
     def _surface(self, vertices: FloatArray, faces: np.ndarray, color: palette.Color) -> None:
         self._scene.add_mesh_simple(
@@ -59,9 +69,13 @@ class Diagram:
             receive_shadow=False,
         )
 
-    def _lines(self, segments: FloatArray, color: palette.Color) -> None:
+    def _lines(self, name: str, segments: FloatArray, color: palette.Color) -> None:
         self._scene.add_line_segments(
-            f"{self._root}/lines", segments.astype(np.float32), np.array(color), thickness=3.0, thickness_units="screen"
+            f"{self._root}/{name}",
+            segments.astype(np.float32),
+            np.array(color),
+            thickness=3.0,
+            thickness_units="screen",
         )
 
 

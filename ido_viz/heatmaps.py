@@ -16,8 +16,9 @@ from ido.poses import PARAMETERS
 from ido.types import FloatArray
 from ido_viz import palette
 from ido_viz.charts import caption, method_span
+from ido_viz.microscope import Inspection
 from ido_viz.run import MethodRun, Run, bin_order
-from ido_viz.state import State
+from ido_viz.state import NO_POINT, State
 
 COMPARED = (1, 15, 30)
 """Numbers of the maps that the paper's figure compares."""
@@ -33,20 +34,21 @@ class Heatmap:
         self._html = gui.add_html("")
         self._drawn: tuple[object, ...] | None = None
 
-    def draw(self, run: Run, state: State, iteration: int) -> None:
-        """Draw the map that makes the update after so many iterations, or the pinned one."""
+    def draw(self, run: Run, state: State, iteration: int, inspection: Inspection | None) -> None:
+        """Draw the map that makes the next update, or the pinned one, with the picked bins marked."""
         side = run.sides[self._side]
         if side.maps is None:
             self._show((side.method,), no_maps(side, self._side))
             return
         following = state.pinned_map == 0
         number = side.map_number(iteration) if following else min(state.pinned_map, len(side.maps.maps))
-        look = (id(side.maps), number, following, state.order, state.dark)
+        order = bin_order(side.histogram, state.order, None if inspection is None else inspection.values)
+        look = (id(side.maps), number, following, order.tobytes(), state.inspected)
         if look == self._drawn:
             return
         title = f"<b>{method_span(side.method, self._side)}</b> map {number} of {len(side.maps.maps)}"
         title += "" if following else " (pinned)"
-        self._show(look, heatmap_html(side.maps, number, state.order, title))
+        self._show(look, heatmap_html(side.maps, number, order, title, state.inspected))
 
     def _show(self, look: tuple[object, ...], content: str) -> None:
         if look != self._drawn:
@@ -55,7 +57,10 @@ class Heatmap:
 
 
 class ComparedMaps:
-    """Maps 1, 15 and 30 of both sides, as in the paper's figure."""
+    """Maps 1, 15 and 30 of both sides, as in the paper's figure.
+
+    The order by contribution is one iteration's; these maps, which belong to several, are then by model index.
+    """
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._html = gui.add_html("")
@@ -63,7 +68,7 @@ class ComparedMaps:
 
     def draw(self, run: Run, state: State) -> None:
         """Draw the compared maps of the shown methods."""
-        look = (*((side.method, id(side.maps)) for side in run.sides), state.order)
+        look = (*((side.method, id(side.maps)) for side in run.sides), state.order, state.inspected)
         if look == self._drawn:
             return
         self._drawn = look
@@ -73,7 +78,9 @@ class ComparedMaps:
                 if side.maps is None:
                     continue
                 shown = min(number, len(side.maps.maps))
-                parts.append(heatmap_html(side.maps, shown, state.order, f"{method_span(side.method, i)} map {shown}"))
+                title = f"{method_span(side.method, i)} map {shown}"
+                order = bin_order(side.histogram, state.order)
+                parts.append(heatmap_html(side.maps, shown, order, title, state.inspected))
         self._html.content = "".join(parts)
 
 
@@ -82,9 +89,17 @@ def no_maps(side: MethodRun, number: int) -> str:
     return caption(f"<b>{method_span(side.method, number)}</b> learns no maps")
 
 
-def heatmap_html(maps: Maps, number: int, order: str, title: str) -> str:
-    """A map as a picture with named rows and blocks; `title` is HTML."""
-    source, scale = _picture(maps, number, order)
+def heatmap_html(maps: Maps, number: int, order: np.ndarray, title: str, marked: int = NO_POINT) -> str:
+    """A map as a picture with named rows and blocks; `title` is HTML.
+
+    Args:
+        maps: the maps.
+        number: of the map, from 1.
+        order: of the bins, from left to right.
+        title: HTML.
+        marked: number of a model point whose bins are marked.
+    """
+    source, scale = _picture(maps, number, order.tobytes())
     rows = "".join(f'<div style="height:{_ROW}px">{name}</div>' for name in PARAMETERS)
     names = [name for block in maps.histogram.blocks for name in block]
     blocks = "".join(
@@ -94,18 +109,28 @@ def heatmap_html(maps: Maps, number: int, order: str, title: str) -> str:
     )
     return (
         caption(f'{title}<span style="float:right">-{scale:.2g} {_KEY} {scale:.2g}</span>')
-        + f'<div style="display:flex;margin:2px 8px 0 8px;font-size:10px;line-height:{_ROW}px">'
-        f'<div style="width:20px">{rows}</div>'
-        f'<img alt="heatmap of the map" src="{source}" style="width:calc(100% - 20px);height:{6 * _ROW}px;'
-        f'display:block"></div>'
-        f'<div style="display:flex;margin:1px 8px 4px 28px;font-size:10px;line-height:12px">{blocks}</div>'
+        + f'<div style="display:flex;margin:2px 8px 0 8px;font-size:0.625rem;line-height:{_ROW}px">'
+        f'<div style="width:20px">{rows}</div><div style="position:relative;width:calc(100% - 20px)">'
+        f'<img alt="heatmap of the map" src="{source}" style="width:100%;height:{6 * _ROW}px;display:block">'
+        f"{_marks(order, len(maps.histogram.model.points), marked)}</div></div>"
+        f'<div style="display:flex;margin:1px 8px 4px 28px;font-size:0.625rem;line-height:1.2">{blocks}</div>'
+    )
+
+
+def _marks(order: np.ndarray, n_model: int, marked: int) -> str:
+    """A line across the rows at each bin of a model point."""
+    return "".join(
+        f'<div style="position:absolute;left:{100 * (place + 0.5) / order.size:.3f}%;top:-2px;width:4px;'
+        f"height:{6 * _ROW + 4}px;margin-left:-2px;background:{palette.css(palette.MARK)};"
+        'border:solid rgba(0, 0, 0, 0.8);border-width:0 1px;box-sizing:border-box"></div>'
+        for place in np.flatnonzero(order % n_model == marked)
     )
 
 
 @lru_cache(maxsize=512)
-def _picture(maps: Maps, number: int, order: str) -> tuple[str, float]:
+def _picture(maps: Maps, number: int, order: bytes) -> tuple[str, float]:
     """A PNG of a map as a data address, and the value at the ends of its colours. Rows are drawn enlarged."""
-    values = maps.maps[number - 1][:, bin_order(maps.histogram, order)]
+    values = maps.maps[number - 1][:, np.frombuffer(order, dtype=np.int64)]
     scale = float(np.quantile(np.abs(values), 0.995)) or 1.0
     levels = np.clip(np.rint((values / scale + 1) * 127.5), 0, 255).astype(np.uint8)
     picture = Image.fromarray(np.repeat(levels, _ROW, axis=0))

@@ -12,7 +12,7 @@ import viser
 from ido.attribution import bin_name
 from ido.poses import PARAMETERS
 from ido_viz.charts import caption, method_span
-from ido_viz.microscope import Inspection
+from ido_viz.microscope import Inspection, answers, asked
 from ido_viz.state import NO_POINT, Coloring, Pane, Question, State
 
 Change = Callable[[dict[str, Any]], None]
@@ -31,7 +31,8 @@ class InspectPanel:
                 "Model colours",
                 get_args(Coloring),
                 initial_value=state.coloring,
-                hint="Colour each model point by its share in the next update, or in one of its six numbers.",
+                hint="Colour each model point by its share in the next update, in what of it leads to the true pose, "
+                "or in one of its six numbers. Blue takes away, red adds.",
             ),
             "against_reference": gui.add_checkbox(
                 "Against the reference",
@@ -45,6 +46,13 @@ class InspectPanel:
                 step=1,
                 hint="Its number, or click a grey point of the model in the 3D view; -1 for none.",
             ),
+            "scene_point": gui.add_number(
+                "Scene point",
+                state.scene_point,
+                min=NO_POINT,
+                step=1,
+                hint="Ask the model point about this one scene point alone; -1 for all of them.",
+            ),
             "question": gui.add_dropdown(
                 "Its question",
                 get_args(Question),
@@ -55,7 +63,11 @@ class InspectPanel:
         for name, handle in self._inputs.items():
             handle.on_update(lambda event, name=name: change({name: event.target.value}) if event.client else None)
         self._bins: Any = gui.add_dropdown(
-            "Strongest bins", ("–",), initial_value="–", hint="Choose one to look into its model point."
+            "Strongest bins",
+            ("–",),
+            initial_value="–",
+            hint="Choose one to look into its model point. With the model's colours towards the truth, these are the "
+            "bins that lead astray most.",
         )
         self._bins.on_update(lambda event: self._choose(event.target.value, change) if event.client else None)
         self._tables = gui.add_html("")
@@ -89,7 +101,7 @@ def bin_label(inspection: Inspection, number: int) -> str:
 def tables_html(inspection: Inspection, state: State) -> str:
     """The shares of the blocks, and the bins of the inspected point."""
     side, shares = inspection.side, inspection.shares
-    what = "its length" if state.coloring not in PARAMETERS else state.coloring
+    what = _WHAT.get(state.coloring, state.coloring)
     title = f"<b>{method_span(side.method, inspection.pane)}</b> next update, by blocks"
     blocks = [
         (" / ".join(block), f"{total:+.4f}", *(f"{value:+.3f}" for value in of_block))
@@ -104,9 +116,30 @@ def tables_html(inspection: Inspection, state: State) -> str:
     parts = [caption(title), table_html(("", what, *PARAMETERS), [*blocks, total])]
     if inspection.point is not None:
         parts += [caption(f"model point {inspection.point}"), point_table(inspection, what)]
+        if inspection.scene_point is not None:
+            parts += [caption(f"asked about scene point {inspection.scene_point}"), pair_table(inspection)]
     else:
         parts.append(caption("Click a point of the model in the 3D view to see its bins."))
     return "".join(parts)
+
+
+_WHAT = {"height": "its length", "whole update": "its length", "towards the truth": "the right way"}
+
+
+def pair_table(inspection: Inspection) -> str:
+    """What the inspected model point says of the one scene point: its answer, the weight, and the share in the bin."""
+    histogram, point, one = inspection.side.histogram, inspection.point, inspection.scene_point
+    assert point is not None and one is not None
+    rows = []
+    for question in get_args(Question):
+        if not asked(histogram, question):
+            continue
+        first, counts = answers(histogram, inspection.moved, point, question)
+        total = counts[first == first[one]].sum()
+        answer = question.split(" / ")[0 if first[one] else 1]
+        rows.append((question, answer, f"{counts[one]:.4f}", f"{counts[one] / total if total > 0 else 0.0:.2%}"))
+    distance = float(np.linalg.norm(inspection.moved[one] - histogram.model.points[point]))
+    return table_html((f"distance {distance:.3f}", "answer", "weight", "share of the bin"), rows)
 
 
 def point_table(inspection: Inspection, what: str) -> str:
@@ -134,7 +167,7 @@ def table_html(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     cells = "".join(_cell("th", i, c) for i, c in enumerate(head))
     body = "".join("<tr>" + "".join(_cell("td", i, c) for i, c in enumerate(row)) + "</tr>" for row in rows)
     return (
-        '<table style="width:calc(100% - 16px);margin:2px 8px 6px 8px;font-size:10.5px;line-height:1.4;'
+        '<table style="width:calc(100% - 16px);margin:2px 8px 6px 8px;font-size:0.66rem;line-height:1.4;'
         f'font-variant-numeric:tabular-nums;border-collapse:collapse"><tr>{cells}</tr>{body}</table>'
     )
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
 from ido import FrontBack, Histogram
 from ido.attribution import Attribution, strongest
 from ido.histograms import SIGMA2, azimuth, elevation
-from ido.poses import PARAMETERS, transform
+from ido.poses import PARAMETERS, log, transform
 from ido.types import BoolArray, DoubleArray, FloatArray
 from ido_viz.run import MethodRun, Run
-from ido_viz.state import NO_POINT, State
+from ido_viz.state import NO_POINT, Pane, State
 
 SHOWN_BINS = 12
 """How many of the strongest bins are listed."""
@@ -27,9 +28,12 @@ class Inspection:
         pane: number of the pane, 0 for the left one.
         seen: its histogram, shape (n_bins,).
         shares: of every bin in the next update.
-        values: the shares along the chosen number of x, or along the update itself; shape (n_bins,).
+        values: the shares along the chosen number of x, along the way to the true pose, or along the update itself;
+            shape (n_bins,).
         point: number of the inspected model point; None for none.
+        scene_point: number of the scene point that it is asked about; None for all alike.
         moved: the scene points at the pose, shape (S, 3).
+        misleading: whether the values are those towards the true pose, so that the negative ones mislead.
     """
 
     side: MethodRun
@@ -38,7 +42,9 @@ class Inspection:
     shares: Attribution
     values: DoubleArray
     point: int | None
+    scene_point: int | None
     moved: FloatArray
+    misleading: bool
 
     @property
     def of_points(self) -> DoubleArray:
@@ -47,13 +53,30 @@ class Inspection:
 
     @property
     def strongest(self) -> np.ndarray:
-        """Numbers of the strongest bins, the strongest first."""
-        return strongest(self.values, SHOWN_BINS)
+        """Numbers of the strongest bins, the strongest first; towards the true pose, of the most misleading ones."""
+        return strongest(np.minimum(self.values, 0.0) if self.misleading else self.values, SHOWN_BINS)
+
+
+Inspections = tuple[Inspection | None, Inspection | None]
+"""Of both panes; None for a baseline, which has no bins."""
+
+
+def inspected_number(state: State) -> int:
+    """Number of the pane that is looked into, 0 for the left one."""
+    return get_args(Pane).index(state.inspected_pane)
+
+
+def inspect_both(run: Run, state: State, iteration: int) -> Inspections:
+    """Look into both panes' methods after so many iterations."""
+    return _inspect(run, state, iteration, 0), _inspect(run, state, iteration, 1)
 
 
 def inspect(run: Run, state: State, iteration: int) -> Inspection | None:
     """Look into the inspected pane's method after so many iterations; None for a baseline, which has no bins."""
-    pane = 0 if state.inspected_pane == "left" else 1
+    return _inspect(run, state, iteration, inspected_number(state))
+
+
+def _inspect(run: Run, state: State, iteration: int, pane: int) -> Inspection | None:
     side = run.sides[pane]
     if side.maps is None:
         return None
@@ -61,10 +84,28 @@ def inspect(run: Run, state: State, iteration: int) -> Inspection | None:
     D = side.maps.maps[side.map_number(iteration) - 1]
     seen = side.histogram(run.scene.points, side.trajectory.x[k])
     shares = Attribution.of(D, side.histogram, seen, against_reference=state.against_reference)
-    direction = np.eye(6)[PARAMETERS.index(state.coloring)] if state.coloring in PARAMETERS else None
-    known = state.inspected != NO_POINT and state.inspected < len(side.histogram.model.points)
+    misleading = state.coloring == "towards the truth"
+    direction = None
+    if misleading:
+        direction = log(run.scene.T_model_scene[None])[0] - side.trajectory.x[k]
+    elif state.coloring in PARAMETERS:
+        direction = np.eye(6)[PARAMETERS.index(state.coloring)]
     moved = transform(side.T_model_scene[k], run.scene.points.astype(np.float64))
-    return Inspection(side, pane, seen, shares, shares.along(direction), state.inspected if known else None, moved)
+    return Inspection(
+        side,
+        pane,
+        seen,
+        shares,
+        shares.along(direction),
+        _known(state.inspected, len(side.histogram.model.points)),
+        _known(state.scene_point, len(moved)),
+        moved,
+        misleading,
+    )
+
+
+def _known(number: int, count: int) -> int | None:
+    return number if NO_POINT < number < count else None
 
 
 def asked(histogram: Histogram, question: str) -> bool:

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import viser
 
+from ido_viz.actions import Actions
 from ido_viz.charts import ErrorCharts, HistogramChart, caption
 from ido_viz.compare import ComparePanel, Comparison
-from ido_viz.controls import Actions
 from ido_viz.heatmaps import ComparedMaps, Heatmap
 from ido_viz.inspect_panel import InspectPanel
 from ido_viz.lesson_panel import LessonPanel
-from ido_viz.microscope import Inspection
+from ido_viz.microscope import Inspections, inspected_number
 from ido_viz.run import Run
-from ido_viz.state import State
+from ido_viz.state import Part, State
 from ido_viz.sweeps import SweepPanel
 from ido_viz.training import TrainingCharts
 
 CONTROLS_WIDTH = 300
 CHARTS_WIDTH = 400
+LARGE_TEXT = 1.25
+"""How much larger text is for a projector, and the panels with it."""
 
 _HELP = """
 **Two methods register the same scene**, side by side. The scene is a copy of the grey *model* that was turned, moved,
@@ -52,8 +56,9 @@ class Panels:
         gui = client.gui
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
-        gui.main_panel.set_width(CONTROLS_WIDTH)
-        with gui.add_folder("Lessons", order=-1):  # above the controls, so that the charts stay in sight
+        self._tell_scores: list[viser.GuiFolderHandle] = []
+        lessons = gui.add_folder("Lessons", order=-1)  # above the controls, so that the charts stay in sight
+        with lessons:
             LessonPanel(gui, actions.open_page, state)
         top = gui.add_panel(order=0)
         with top.add_tab("Histograms", viser.Icon.CHART_HISTOGRAM):
@@ -68,31 +73,59 @@ class Panels:
             self._heatmaps = [Heatmap(gui, side) for side in range(2)]
             gui.add_html(caption("<b>Maps 1, 15 and 30</b>, as in the paper's figure"))
             self._compared = ComparedMaps(gui)
-        with bottom.add_tab("Errors"):
+        with bottom.add_tab("Errors"), self._telling(gui):
             self._errors = ErrorCharts(gui)
-        with bottom.add_tab("Compare"):
+        with bottom.add_tab("Compare"), self._telling(gui):
             self._compare = ComparePanel(
                 gui, actions.compare, actions.cancel_comparison, actions.show_method, actions.redraw
             )
-        with bottom.add_tab("Sweeps"):
+        with bottom.add_tab("Sweeps"), self._telling(gui):
             self._sweeps = SweepPanel(gui, actions.open_scene, actions.redraw)
         with bottom.add_tab("Inspect"):
             self._inspect = InspectPanel(gui, state, actions.inspect)
         top.dock_right()
-        top.set_width(CHARTS_WIDTH)
         bottom.dock_below(top)
+        self._gui, self._top = gui, top
+        self._style = gui.add_html("")
+        self._large: bool | None = None
+        self._parts: dict[Part, tuple[Any, ...]] = {
+            "lessons": (lessons,),
+            "scores": tuple(self._tell_scores),
+            "upper charts": (top,),
+            "lower charts": (bottom,),
+        }
 
-    def draw(
-        self, run: Run, comparison: Comparison, state: State, iteration: int, inspection: Inspection | None
-    ) -> None:
+    def _telling(self, gui: viser.GuiApi) -> viser.GuiFolderHandle:
+        """A container for what tells the scores."""
+        self._tell_scores.append(gui.add_folder(None))
+        return self._tell_scores[-1]
+
+    def _size_text(self, state: State) -> None:
+        """Set the size that all text is relative to, and make room for it."""
+        if state.large_text == self._large:
+            return
+        self._large = state.large_text
+        scale = LARGE_TEXT if state.large_text else 1.0
+        self._style.content = f"<style>html{{font-size:{100 * scale:g}%}}</style>"
+        self._gui.main_panel.set_width(round(CONTROLS_WIDTH * scale))
+        self._top.set_width(round(CHARTS_WIDTH * scale))
+
+    def _hide_parts(self, state: State) -> None:
+        for part, handles in self._parts.items():
+            for handle in handles:
+                if handle.visible != (part not in state.hidden):
+                    handle.visible = part not in state.hidden
+
+    def draw(self, run: Run, comparison: Comparison, state: State, iteration: int, inspections: Inspections) -> None:
         """Draw everything after so many iterations."""
-        self._inspect.draw(inspection, state)
+        self._size_text(state)
+        self._hide_parts(state)
+        self._inspect.draw(inspections[inspected_number(state)], state)
         self._compare.draw(comparison, state)
         self._sweeps.draw(state)
-        for chart in self._histograms:
-            chart.draw(run, state, iteration)
-        for heatmap in self._heatmaps:
-            heatmap.draw(run, state, iteration)
+        for chart, heatmap, inspection in zip(self._histograms, self._heatmaps, inspections, strict=True):
+            chart.draw(run, state, iteration, inspection)
+            heatmap.draw(run, state, iteration, inspection)
         self._errors.draw(run, state, iteration)
         self._compared.draw(run, state)
         self._training.draw(run, state)

@@ -38,7 +38,7 @@ def readout_html(run: Run, iteration: int) -> str:
         for name, cells in rows
     )
     return (
-        '<table class="readout" style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:12px;line-height:1.35;'
+        '<table class="readout" style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:0.75rem;line-height:1.35;'
         f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>' + _LEGEND
     )
 
@@ -56,7 +56,7 @@ def verdict(side: MethodRun, k: int) -> str:
 
 _IN_PLACE, _NEARLY = 0.95, 0.5  # PointAcc
 _LEGEND = (
-    '<div style="margin:4px 8px 0 8px;font-size:11px">'
+    '<div style="margin:4px 8px 0 8px;font-size:0.6875rem">'
     + " &nbsp;".join(
         '<span style="white-space:nowrap">'
         + "".join(f'<span style="color:{palette.css(color)}">●</span>' for color in colors)

@@ -8,9 +8,13 @@ import numpy as np
 
 from ido import Histogram, Maps, Scene, Scores, StopReason, Trajectory, perturb, score
 from ido.registration import Watch
+from ido.runs import chosen_iterations
 from ido.types import FloatArray
 from ido_viz.library import Library, Subject
 from ido_viz.state import State
+
+MOST_DISTANCES = 100
+"""At so many iterations at most, the distance to the reference line is measured."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,6 +28,7 @@ class MethodRun:
         trajectory: all poses.
         T_model_scene: the same as matrices, shape (n + 1, 4, 4).
         scores: of every pose, each of shape (n + 1,).
+        distances: of the histogram from the reference line at every pose, see `distances`; shape (n + 1,).
         waiting: why there is nothing but the start yet; empty once there is.
     """
 
@@ -33,6 +38,7 @@ class MethodRun:
     trajectory: Trajectory
     T_model_scene: FloatArray
     scores: Scores
+    distances: FloatArray
     waiting: str = ""
 
     def clipped(self, iteration: int) -> int:
@@ -69,6 +75,17 @@ def norms(side: MethodRun) -> FloatArray:
     The last is NaN where none was computed: at the iteration limit, and of baselines.
     """
     return np.append(side.trajectory.update_norms, side.trajectory.last_norm)
+
+
+def distances(histogram: Histogram, scene: Scene, trajectory: Trajectory) -> FloatArray:
+    """‖h(x) - h_ref‖ / ‖h_ref‖ at every pose of a trajectory, shape (n + 1,).
+
+    Of a long one, measured at `MOST_DISTANCES` iterations, the first ones one by one, and in between as on a line.
+    """
+    measured = chosen_iterations(trajectory.iterations, MOST_DISTANCES)
+    seen = np.stack([histogram(scene.points, x) for x in trajectory.x[measured]])
+    away = np.linalg.norm(seen - histogram.reference, axis=1) / np.linalg.norm(histogram.reference)
+    return np.interp(np.arange(trajectory.iterations + 1), measured, away)
 
 
 def inputs(state: State) -> tuple[object, ...]:
@@ -113,7 +130,8 @@ def _side(
     method = library.method(state, name)
     histogram = library.first_histogram(state.shape) if method.maps is None else method.maps.histogram
     poses = trajectory.T_model_scene
-    return MethodRun(name, method.maps, histogram, trajectory, poses, score(scene, poses), waiting)
+    away = distances(histogram, scene, trajectory)
+    return MethodRun(name, method.maps, histogram, trajectory, poses, score(scene, poses), away, waiting)
 
 
 def bin_order(histogram: Histogram, order: str, contribution: FloatArray | None = None) -> np.ndarray:

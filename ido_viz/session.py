@@ -18,12 +18,13 @@ import viser
 
 from ido import Perturbation
 from ido.types import FloatArray
+from ido_viz.actions import Actions
 from ido_viz.canvas import Canvas, point_at
 from ido_viz.compare import Comparison
-from ido_viz.controls import Actions, Controls
+from ido_viz.controls import Controls
 from ido_viz.library import Library
 from ido_viz.live import LiveRun
-from ido_viz.microscope import inspect
+from ido_viz.microscope import inspect_both
 from ido_viz.panels import Panels
 from ido_viz.run import Run
 from ido_viz.state import LAST, NO_POINT, State, StateError, decode
@@ -114,9 +115,10 @@ class Session:
 
     def _inspect(self, changes: dict[str, Any]) -> None:
         run = self._run
-        if run is not None and "inspected" in changes:
-            last = len(run.sides[0].histogram.model.points) - 1
-            changes = {**changes, "inspected": int(min(max(changes["inspected"] or 0, NO_POINT), last))}
+        if run is not None:
+            counts = {"inspected": len(run.sides[0].histogram.model.points), "scene_point": len(run.scene.points)}
+            for name in counts.keys() & changes.keys():
+                changes = {**changes, name: int(min(max(changes[name] or 0, NO_POINT), counts[name] - 1))}
         self._change(lambda state: replace(state, **changes))
 
     def _click(self, origin: FloatArray, direction: FloatArray) -> None:
@@ -200,6 +202,7 @@ class Session:
             show_method=self._show_method,
             open_scene=self._open_scene,
             open_page=self._open_page,
+            show_all=lambda: self._change(lambda state: replace(state, hidden=()), show=True),
             inspect=self._inspect,
             redraw=self._wake,
             shown=lambda: self._drawn,
@@ -267,10 +270,10 @@ class Session:
                     dark_mode=state.dark, show_logo=False, show_share_button=False, brand_color=(0, 114, 178)
                 )
                 self._theme = state.dark
-            inspection = inspect(self._run, state, iteration)
-            self._canvas.draw(self._run, state, iteration, inspection)
+            inspections = inspect_both(self._run, state, iteration)
+            self._canvas.draw(self._run, state, iteration, inspections)
             self._drawn = (self._run, state)
-            self._panels.draw(self._run, self._comparison, state, iteration, inspection)
+            self._panels.draw(self._run, self._comparison, state, iteration, inspections)
             self._controls.show_run(self._run, state, iteration)
             self._controls.show_cancel(self._live.slow)
             if not self._dirty:  # the slider may have been dragged on meanwhile

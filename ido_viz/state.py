@@ -13,10 +13,12 @@ from ido import RANGES, Perturbation
 from ido.registration import EPSILON, MAX_ITERATIONS
 
 BinOrder = Literal["reference value", "model index", "elevation", "azimuth", "contribution"]
-Coloring = Literal["height", "whole update", "ρx", "ρy", "ρz", "φx", "φy", "φz"]
+Coloring = Literal["height", "whole update", "towards the truth", "ρx", "ρy", "ρz", "φx", "φy", "φz"]
 Overlay = Literal["nothing", "other method", "another iteration"]
 Pane = Literal["left", "right"]
-Part = Literal["lessons", "presets", "scene", "methods", "view", "download", "scores", "upper charts", "lower charts"]
+Part = Literal[
+    "lessons", "presets", "scores", "scene", "methods", "view", "share", "download", "upper charts", "lower charts"
+]
 Question = Literal["front / back", "up / down", "clockwise / anticlockwise"]
 NO_POINT = -1
 """Number of the inspected model point when there is none."""
@@ -58,7 +60,8 @@ class State:
         scene_point: number of the scene point that it is asked about; `NO_POINT` for all alike.
         inspected_pane: whose method is looked into.
         question: which of the point's questions colours the scene points.
-        coloring: what the model points' colours mean: height, or their share in the next update or one of its numbers.
+        coloring: what the model points' colours mean: height, or their share in the next update, in what of it leads
+            to the true pose, or in one of its numbers. The shares listed, and the order by contribution, are those.
         against_reference: shares of what differs from the reference alone.
         dark: dark page.
         large_text: larger text, for a projector.

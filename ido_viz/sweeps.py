@@ -66,13 +66,19 @@ class SweepPanel:
         self._open = open_scene
         self._changed = changed
         self._shape = ""
-        self._sweep = gui.add_dropdown("Sweep", tuple(LEVELS), initial_value="noise")
-        self._score = gui.add_dropdown("Score", tuple(SCORES), initial_value="PointAcc")
-        self._group = gui.add_dropdown("Methods", tuple(GROUPS), initial_value="learned and tuned")
+        self._sweep = gui.add_dropdown(
+            "Sweep", tuple(LEVELS), initial_value="noise", hint="What is varied; all else is at the paper's default."
+        )
+        self._score = gui.add_dropdown(
+            "Score", tuple(SCORES), initial_value="PointAcc", hint="Share of points in place, or their mean error."
+        )
+        self._group = gui.add_dropdown(
+            "Methods", tuple(GROUPS), initial_value="learned and tuned", hint="Whose curves are drawn."
+        )
         self._legend = gui.add_html("")
         self._plot = Plot(gui, height=150)
-        self._method = gui.add_dropdown("Method", ("DO",), initial_value="DO")
-        self._level = gui.add_dropdown("Level", ("0",), initial_value="0")
+        self._method = gui.add_dropdown("Method", ("DO",), initial_value="DO", hint="Whose scenes are listed below.")
+        self._level = gui.add_dropdown("Level", ("0",), initial_value="0", hint="Of the sweep.")
         self._trial = gui.add_dropdown("Scene", ("–",), initial_value="–", hint="Scenes of this level, worst first.")
         self._button = gui.add_button("Open this scene", hint="Shows it in the panes, the method on the right.")
         for handle in (self._sweep, self._score, self._group, self._method, self._level):
@@ -104,7 +110,7 @@ class SweepPanel:
             "y": {"auto": False, "range": (0.0, 1.05 if self._score.value == "PointAcc" else 1.1 * highest)},
         }
         series: list[Any] = [{"label": self._sweep.value}, *(series_of(method, state.dark) for method in shown)]
-        self._plot.restyle((np.array(levels, dtype=np.float64), *curves), series, scales, plain_axes(state.dark))
+        self._plot.restyle((np.array(levels, dtype=np.float64), *curves), series, scales, plain_axes(state))
         self._look = self._looks(state)  # the choices on offer may have changed with the sweep
 
     def _looks(self, state: State) -> tuple[object, ...]:

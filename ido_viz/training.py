@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ class TrainingCharts:
 
     def draw(self, run: Run, state: State) -> None:
         """Draw the training curves of the shown methods."""
-        look = (*((side.method, id(side.maps)) for side in run.sides), state.dark)
+        look = (*((side.method, id(side.maps)) for side in run.sides), state.dark, state.large_text)
         if look == self._look:
             return
         self._look = look
@@ -52,12 +53,13 @@ class TrainingCharts:
                 for side in run.sides
             ]
             length = max(len(values) for values in curves)
+            lowest = min(-3, math.floor(np.nanmin(np.concatenate([*curves, [0.0]]))))
             scales = {
                 "x": {"time": False, "auto": False, "range": (0.0, float(length - 1))},
-                "y": {"auto": False, "range": (-3.5, 0.3)},
+                "y": {"auto": False, "range": (lowest - 0.5, 0.3)},
             }
             data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
-            plot.restyle(data, series, scales, plain_axes(state.dark, powers=(-3, 0)))
+            plot.restyle(data, series, scales, plain_axes(state, powers=(lowest, 0)))
         self._samples.content = "".join(
             _samples_html(side.maps, f"{method_span(side.method, i)} {part} error of 600 samples", columns)
             for part, columns in (("rotation", slice(3, 6)), ("translation", slice(0, 3)))

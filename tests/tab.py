@@ -13,7 +13,7 @@ from typing import Any, cast
 import viser
 
 from ido import Perturbation, Scene
-from ido_viz.controls import Actions
+from ido_viz.actions import Actions
 from ido_viz.library import Library, shipped_library
 from ido_viz.run import Run, make_scene
 from ido_viz.session import Session

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
 
 import pytest
 import viser
 
+import ido_viz
 from ido import RANGES, Perturbation
 from ido.perturbation import LARGEST_SEED
-from ido_viz.controls import Actions, Controls
+from ido_viz.actions import Actions
+from ido_viz.controls import Controls
 from ido_viz.library import shipped_library
 from ido_viz.state import LAST, LONGEST_RUN, State
 
@@ -35,6 +39,8 @@ STATES = [
     State(left="Improved DO (as printed)", right="DO", order="azimuth", difference=True, ghost=False, dark=True),
     LIBRARY.at_shape(State(left="Improved DO", right="DO", order="elevation"), "urban"),
     State(iteration=LAST, playing=False),
+    State(error_vectors=True, overlay="another iteration", overlaid_iteration=7, large_text=True),
+    State(overlay="other method", hidden=("scores", "methods", "lower charts")),
 ]
 
 
@@ -104,3 +110,18 @@ def test_a_method_that_another_shape_lacks_gives_way_to_a_learned_one(controls: 
     read, _ = controls.read(state)
     at_urban = LIBRARY.at_shape(read, "urban")
     assert (at_urban.left, at_urban.right) == ("ICP, tuned", "Improved DO")
+
+
+def test_every_control_has_a_hint():
+    """Of everything that a person can click or type into, in all of the page."""
+    kinds = ("button", "button_group", "checkbox", "dropdown", "multi_slider", "number", "rgb", "slider", "text")
+    adding = {f"add_{kind}" for kind in kinds}
+    without, found = [], 0
+    for path in Path(ido_viz.__path__[0]).glob("*.py"):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr in adding:
+                found += 1
+                if not any(keyword.arg == "hint" for keyword in call.keywords):
+                    without.append(f"{path.name}:{call.lineno}")
+    assert found > 25
+    assert without == []

@@ -17,7 +17,7 @@ from ido_viz.charts import both_methods, caption, method_span
 from ido_viz.heatmaps import heatmap_html
 from ido_viz.library import shipped_library
 from ido_viz.readout import readout_html, verdict
-from ido_viz.run import Run, compute
+from ido_viz.run import Run, bin_order, compute
 from ido_viz.state import State
 
 EVIL = [
@@ -92,7 +92,7 @@ def test_captions_show_a_name_as_it_is(run: Run, name: str):
 def test_a_heatmap_shows_its_method_and_blocks_as_they_are(monkeypatch: pytest.MonkeyPatch, name: str):
     maps = shipped_maps("bunny", "front-back")
     monkeypatch.setattr(type(maps.histogram), "blocks", ((name, "back"),))
-    page = Page(heatmap_html(maps, 1, "model index", method_span(name, 1)))
+    page = Page(heatmap_html(maps, 1, bin_order(maps.histogram, "model index"), method_span(name, 1)))
     assert set(page.tags) <= HARMLESS | {"img"}
     assert len(page.images) == 1
     assert set(page.attributes) <= {"style", "alt", "src"}
@@ -134,7 +134,7 @@ def picture(source: str) -> np.ndarray:
 
 def test_a_heatmap_has_a_row_for_each_coordinate_and_a_column_for_each_bin():
     maps = shipped_maps("bunny", "triple-binary")
-    source = heatmap_html(maps, 15, "model index", "title")
+    source = heatmap_html(maps, 15, bin_order(maps.histogram, "model index"), "title")
     pixels = picture(source)
     assert pixels.shape[0] % 6 == 0
     assert pixels.shape[1] == maps.histogram.n_bins
@@ -147,7 +147,7 @@ def test_a_heatmap_has_a_row_for_each_coordinate_and_a_column_for_each_bin():
 
 def test_a_heatmap_is_red_above_zero_and_blue_below():
     maps = shipped_maps("bunny", "front-back")
-    pixels = picture(heatmap_html(maps, 1, "model index", ""))
+    pixels = picture(heatmap_html(maps, 1, bin_order(maps.histogram, "model index"), ""))
     rows = pixels.reshape(6, -1, *pixels.shape[1:])[:, 0]
     warmth = rows[..., 0] - rows[..., 2]
     values = maps.maps[0]
@@ -157,5 +157,17 @@ def test_a_heatmap_is_red_above_zero_and_blue_below():
 
 def test_heatmaps_differ_by_map_and_by_order():
     maps = shipped_maps("bunny", "front-back")
-    sources = {heatmap_html(maps, n, order, "") for n in (1, 2, 30) for order in ("model index", "azimuth")}
+    orders = [bin_order(maps.histogram, order) for order in ("model index", "azimuth")]
+    sources = {heatmap_html(maps, n, order, "") for n in (1, 2, 30) for order in orders}
     assert len(sources) == 6
+
+
+@pytest.mark.parametrize("order", ["model index", "azimuth"])
+def test_a_picked_points_bins_are_marked_where_they_are_drawn(order: str):
+    maps = shipped_maps("bunny", "triple-binary")
+    bins, n_model = bin_order(maps.histogram, order), len(maps.histogram.model.points)
+    source = heatmap_html(maps, 1, bins, "", 100)
+    places = [float(left) for left in re.findall(r"left:([\d.]+)%", source)]
+    expected = [100 * (list(bins).index(side * n_model + 100) + 0.5) / len(bins) for side in range(6)]
+    assert places == pytest.approx(expected, abs=1e-3)
+    assert "left:" not in heatmap_html(maps, 1, bins, "")

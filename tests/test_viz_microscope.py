@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ido import Perturbation, shipped_maps
-from ido.histograms import azimuth, elevation
-from ido_viz.canvas import answer_colors
+from ido import Perturbation, poses, shipped_maps
+from ido.histograms import SIGMA2, azimuth, elevation
 from ido_viz.diagram import cone, disc, half_plane
-from ido_viz.inspect_panel import bin_label, tables_html
+from ido_viz.inspect_panel import bin_label, pair_table, tables_html
 from ido_viz.library import shipped_library
 from ido_viz.microscope import Inspection, answers, asked, inspect, point_on_ray
+from ido_viz.pane import answer_colors
 from ido_viz.run import Run, compute
 from ido_viz.state import State, decode, encode
 
@@ -116,3 +117,36 @@ def test_the_tables_hold_the_bins_and_the_strongest_are_the_largest(run: Run) ->
 def test_what_is_looked_into_is_in_the_code() -> None:
     state = replace(STATE, question="up / down", against_reference=True, inspected_pane="left", coloring="φz")
     assert decode(encode(state)) == state
+
+
+@pytest.mark.parametrize("iteration", [0, 4])
+def test_the_shares_towards_the_truth_add_up_to_how_far_the_update_goes_the_right_way(iteration: int, run: Run) -> None:
+    whole = looked_into(run, replace(STATE, coloring="towards the truth"), iteration)
+    x = run.sides[1].trajectory.x
+    way = poses.log(run.scene.T_model_scene[None])[0] - x[iteration]
+    made = (x[iteration + 1] - x[iteration]) @ way / np.linalg.norm(way)
+    assert np.isclose(whole.values.sum(), made, atol=1e-6)
+    misleading = whole.values[whole.strongest]
+    assert (misleading < 0).all() and (np.diff(misleading) >= 0).all()
+    assert misleading[0] == whole.values.min()
+
+
+def test_a_pair_of_points_answers_as_the_bins_add_up(run: Run) -> None:
+    """The table's answers, by the definition, of a scene point near a model point."""
+    whole = looked_into(run, STATE, 2)
+    model = whole.side.histogram.model
+    one = int(np.argmin(((whole.moved - model.points[100]) ** 2).sum(axis=1)))
+    pair = looked_into(run, replace(STATE, scene_point=one), 2)
+    offset = pair.moved[one] - model.points[100].astype(np.float64)
+    weight = np.exp(-(offset @ offset) / SIGMA2)
+    answer = "front" if offset @ model.normals[100] > 0 else "back"
+    side = ("front", "back").index(answer)
+    total = pair.side.histogram.sides(pair.moved)[side, 100]  # type: ignore[attr-defined]
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", pair_table(pair))
+    assert cells[:3] == ["front / back", answer, f"{weight:.4f}"]
+    assert float(cells[3].strip("%")) == pytest.approx(100 * weight / total, abs=0.02)
+    assert cells[5] == ("up" if elevation(pair.moved)[one] > elevation(model.points)[100] else "down")
+    assert cells[9] == ("clockwise" if azimuth(pair.moved)[one] > azimuth(model.points)[100] else "anticlockwise")
+    assert len(cells) == 12
+    assert looked_into(run, replace(STATE, scene_point=10_000), 2).scene_point is None
+    assert f"scene point {one}" in tables_html(pair, STATE)

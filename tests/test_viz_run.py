@@ -46,7 +46,7 @@ DOES_NOT_MATTER: dict[str, Any] = {
     "against_reference": True,
     "dark": True,
     "large_text": True,
-    "hidden": ("scene", "scores"),
+    "hidden": ("scores", "scene"),
 }
 
 

@@ -16,7 +16,7 @@ from tab import LENGTH, PAUSED, QUIET, Computing, Frame, Tab, WidgetsOfTab
 
 from ido import Perturbation
 from ido_viz import session as session_module
-from ido_viz.controls import Actions
+from ido_viz.actions import Actions
 from ido_viz.library import shipped_library
 from ido_viz.run import compute
 from ido_viz.state import LAST, State, encode
