@@ -83,32 +83,36 @@ class Panels:
             self._sweeps = SweepPanel(gui, actions.open_scene, actions.redraw)
         with bottom.add_tab("Inspect"):
             self._inspect = InspectPanel(gui, state, actions.inspect)
-        top.dock_right()
-        bottom.dock_below(top)
-        self._gui, self._top = gui, top
+        self._gui, self._top, self._bottom = gui, top, bottom
         self._style = gui.add_html("")
-        self._large: bool | None = None
-        self._parts: dict[Part, tuple[Any, ...]] = {
-            "lessons": (lessons,),
-            "scores": tuple(self._tell_scores),
-            "upper charts": (top,),
-            "lower charts": (bottom,),
-        }
+        self._parts: dict[Part, list[Any]] = {"lessons": [lessons], "scores": self._tell_scores}
+        self._placed: tuple[bool, ...] | None = None
 
     def _telling(self, gui: viser.GuiApi) -> viser.GuiFolderHandle:
         """A container for what tells the scores."""
         self._tell_scores.append(gui.add_folder(None))
         return self._tell_scores[-1]
 
-    def _size_text(self, state: State) -> None:
-        """Set the size that all text is relative to, and make room for it."""
-        if state.large_text == self._large:
+    def _place(self, state: State) -> None:
+        """Set the size that all text is relative to, and show the panels that are not hidden, as wide as it needs."""
+        shown = ("upper charts" not in state.hidden, "lower charts" not in state.hidden)
+        if (*shown, state.large_text) == self._placed:
             return
-        self._large = state.large_text
+        self._placed = (*shown, state.large_text)
         scale = LARGE_TEXT if state.large_text else 1.0
         self._style.content = f"<style>html{{font-size:{100 * scale:g}%}}</style>"
         self._gui.main_panel.set_width(round(CONTROLS_WIDTH * scale))
-        self._top.set_width(round(CHARTS_WIDTH * scale))
+        above = None
+        for panel, visible in zip((self._top, self._bottom), shown, strict=True):
+            panel.visible = visible
+            if not visible:
+                continue
+            if above is None:  # a panel that was hidden has lost its place
+                panel.dock_right()
+                panel.set_width(round(CHARTS_WIDTH * scale))
+            else:
+                panel.dock_below(above)
+            above = panel
 
     def _hide_parts(self, state: State) -> None:
         for part, handles in self._parts.items():
@@ -118,7 +122,7 @@ class Panels:
 
     def draw(self, run: Run, comparison: Comparison, state: State, iteration: int, inspections: Inspections) -> None:
         """Draw everything after so many iterations."""
-        self._size_text(state)
+        self._place(state)
         self._hide_parts(state)
         self._inspect.draw(inspections[inspected_number(state)], state)
         self._compare.draw(comparison, state)

@@ -48,10 +48,10 @@ class ShareFolder:
         with self.folder:
             self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
             self._code.on_update(lambda event: actions.apply_code(event.target.value) if event.client else None)
-            with gui.add_folder("Hide from a class"):
+            with gui.add_folder("For a class"):
                 gui.add_html(_HIDING)
                 for part in get_args(Part):
-                    box = gui.add_checkbox(part.capitalize(), part in state.hidden, hint=_PARTS[part])
+                    box = gui.add_checkbox(f"Hide {part}", part in state.hidden, hint=_PARTS[part])
                     box.on_update(changed)
                     self._hidden[part] = box
         gui.add_command("Show all parts").on_trigger(plain(actions.show_all))
