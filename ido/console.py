@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+from collections.abc import Iterator
+
+import rich
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -24,3 +29,15 @@ def progress_bar(*columns: str) -> Progress:
         console=Console(stderr=True),
         speed_estimate_period=3600,
     )
+
+
+@contextlib.contextmanager
+def hush() -> Iterator[None]:
+    """Keep what a library prints, to a terminal or into a notebook's cell, to itself."""
+    console = rich.get_console()
+    was, console.quiet = console.quiet, True
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            yield
+    finally:
+        console.quiet = was

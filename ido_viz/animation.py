@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import html
-import io
 import threading
 from collections.abc import Iterator
 
 import viser
 
+from ido.console import hush
 from ido.runs import chosen_iterations
 from ido_viz import palette
 from ido_viz.pane import PaneView
@@ -56,12 +56,12 @@ def _draw(panes: list[PaneView], run: Run, state: State, iteration: int) -> None
 
 @contextlib.contextmanager
 def _throw_away_server() -> Iterator[viser.ViserServer]:
-    with contextlib.redirect_stdout(io.StringIO()):
+    with hush():
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     try:
         yield server
     finally:
-        with contextlib.redirect_stdout(io.StringIO()):
+        with hush():
             server.stop()
 
 

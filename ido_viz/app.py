@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import threading
 
 import viser
 
+from ido.console import hush
 from ido_viz.library import Library, shipped_library
 from ido_viz.session import Session
 from ido_viz.state import State
@@ -38,7 +37,7 @@ class App:
         self._state = self._library.checked(state or State())
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
-        with contextlib.redirect_stdout(io.StringIO()):  # the command prints the address itself
+        with hush():  # the command prints the address itself
             self.server = viser.ViserServer(host=host, port=port, label="IDO Explorer", verbose=False)
         self.server.scene.world_axes.visible = False
         self.server.on_client_connect(self._open)
@@ -63,7 +62,8 @@ class App:
             self._sessions.clear()
         for session in sessions:
             session.close()
-        self.server.stop()
+        with hush():
+            self.server.stop()
 
     def _open(self, client: viser.ClientHandle) -> None:
         session = Session(client, self._library, self._state)

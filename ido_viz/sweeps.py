@@ -110,6 +110,8 @@ class SweepPanel:
             "y": {"auto": False, "range": (0.0, 1.05 if self._score.value == "PointAcc" else 1.1 * highest)},
         }
         series: list[Any] = [{"label": self._sweep.value}, *(series_of(method, state.dark) for method in shown)]
+        if not curves:  # a chart must have one
+            curves, series = [np.full(len(levels), np.nan)], [*series, {"points": {"show": False}}]
         self._plot.restyle((np.array(levels, dtype=np.float64), *curves), series, scales, plain_axes(state))
         self._look = self._looks(state)  # the choices on offer may have changed with the sweep
 
