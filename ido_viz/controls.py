@@ -15,6 +15,7 @@ from ido_viz.actions import Actions, plain
 from ido_viz.export import ExportFolder
 from ido_viz.library import Library
 from ido_viz.playback import Playback
+from ido_viz.presets import PresetPanel
 from ido_viz.run import Run
 from ido_viz.sharing import ShareFolder
 from ido_viz.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, Overlay, Part, State
@@ -42,6 +43,8 @@ class Controls:
         self._playback = Playback(gui, state, actions)
         self._inputs["speed"] = self._playback.speed
         self._scene(gui, state, actions)
+        with self._part(gui, "presets", "Presets"):
+            PresetPanel(gui, actions.open_page)
         self._methods(gui, state)
         self._view(gui, state)
         self._share = ShareFolder(gui, state, actions, self._on_input)

@@ -123,7 +123,7 @@ def tables_html(inspection: Inspection, state: State) -> str:
     return "".join(parts)
 
 
-_WHAT = {"height": "its length", "whole update": "its length", "towards the truth": "the right way"}
+_WHAT = {"height": "its length", "whole update": "its length", "towards the truth": "right way"}
 
 
 def pair_table(inspection: Inspection) -> str:
@@ -167,10 +167,11 @@ def table_html(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     cells = "".join(_cell("th", i, c) for i, c in enumerate(head))
     body = "".join("<tr>" + "".join(_cell("td", i, c) for i, c in enumerate(row)) + "</tr>" for row in rows)
     return (
-        '<table style="width:calc(100% - 16px);margin:2px 8px 6px 8px;font-size:0.66rem;line-height:1.4;'
+        '<table style="width:calc(100% - 16px);margin:2px 8px 6px 8px;font-size:0.64rem;line-height:1.4;'
         f'font-variant-numeric:tabular-nums;border-collapse:collapse"><tr>{cells}</tr>{body}</table>'
     )
 
 
 def _cell(kind: str, column: int, content: str) -> str:
-    return f'<{kind} style="text-align:{"right" if column else "left"}">{html.escape(content)}</{kind}>'
+    align = "right;padding-left:0.4em" if column else "left"
+    return f'<{kind} style="text-align:{align}">{html.escape(content)}</{kind}>'

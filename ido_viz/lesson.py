@@ -121,27 +121,35 @@ def blocks_of(side: MethodRun, values: FloatArray) -> FloatArray:
 
 def map_size(run: Run, side: int, number: int) -> float:
     """Root of the summed squares of a map's entries; maps are numbered from 1."""
-    return float(np.linalg.norm(_map(run.sides[side], number)))
+    return float(np.linalg.norm(map_of(run.sides[side], number)))
 
 
 def angle_share(run: Run, side: int, number: int) -> float:
     """Share of a map's summed squares that belongs to the questions about angles."""
-    of_blocks = (_map(run.sides[side], number) ** 2).sum(axis=0).reshape(len(run.sides[side].histogram.blocks), -1)
+    of_blocks = (map_of(run.sides[side], number) ** 2).sum(axis=0).reshape(len(run.sides[side].histogram.blocks), -1)
     return float(of_blocks[1:].sum() / of_blocks.sum())
 
 
 def front_share(run: Run, side: int, number: int) -> float:
     """Share of front in what a map makes of front and back, the bins' own weights counted in."""
     its = run.sides[side]
-    sides = (_map(its, number) ** 2).sum(axis=0).reshape(-1, len(its.histogram.model.points))
+    sides = (map_of(its, number) ** 2).sum(axis=0).reshape(-1, len(its.histogram.model.points))
     weights = getattr(its.histogram, "weights", np.ones(sides.shape))
     front, back = (sides * weights.astype(np.float64) ** 2).sum(axis=1)[:2]
     return float(front / (front + back))
 
 
-def _map(side: MethodRun, number: int) -> FloatArray:
+def map_of(side: MethodRun, number: int) -> FloatArray:
+    """A map of a side that has some, shape (6, n_bins)."""
     assert side.maps is not None
     return side.maps.maps[number - 1].astype(np.float64)
+
+
+def training_error(run: Run, side: int, maps_done: int = -1) -> float:
+    """Mean training error of a side's maps after so many of them, by default after the last."""
+    maps = run.sides[side].maps
+    assert maps is not None
+    return float(maps.curves.mean[maps_done])
 
 
 @lru_cache

@@ -30,7 +30,10 @@ class LessonPanel:
         self._at: tuple[Lesson, int] | None = None if state is None else step_of(state)
         self._lock = threading.Lock()  # clicks may come on several threads
         self._menu = gui.add_dropdown(
-            "Lesson", (NONE, *self._by_title), initial_value=self._at[0].title if self._at else NONE
+            "Lesson",
+            (NONE, *self._by_title),
+            initial_value=self._at[0].title if self._at else NONE,
+            hint="A few prepared pages about one thing, with what to look at.",
         )
         self._text = gui.add_markdown("")
         self._count = gui.add_markdown("")

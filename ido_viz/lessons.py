@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from ido_viz.lesson import Lesson
 from ido_viz.lessons_far import DARK, FAR_TURN
+from ido_viz.lessons_learning import OVERFITTING
 from ido_viz.lessons_limits import HALF, OUTLIERS
 from ido_viz.lessons_moving import MAPS, STOPPING, TWO_MORE
 from ido_viz.lessons_results import AS_PRINTED, FAILURE, SETTINGS
 from ido_viz.lessons_seeing import BINARIES, HISTOGRAM
+from ido_viz.lessons_tracing import MISLED
 from ido_viz.run import inputs
 from ido_viz.state import State, StateError
 
@@ -16,6 +18,7 @@ LESSONS: tuple[Lesson, ...] = (
     BINARIES,
     TWO_MORE,
     MAPS,
+    OVERFITTING,
     OUTLIERS,
     HALF,
     DARK,
@@ -23,6 +26,7 @@ LESSONS: tuple[Lesson, ...] = (
     STOPPING,
     SETTINGS,
     FAILURE,
+    MISLED,
     AS_PRINTED,
 )
 

@@ -19,6 +19,7 @@ from ido_viz.lesson import (
     Step,
     at,
     ends,
+    in_its_place,
     mean,
     means,
     paper_says,
@@ -38,6 +39,12 @@ def _sees_something(run: Run) -> FloatArray:
 def _angle_bins(run: Run) -> FloatArray:
     n_model = len(run.sides[RIGHT].histogram.model.points)
     return run.histogram(RIGHT, 0)[2 * n_model :]
+
+
+def _distance_in_place(run: Run, side: int) -> float:
+    """How far the whole histogram would be from the line if the scene lay in its place."""
+    reference = run.sides[side].histogram.reference
+    return float(np.linalg.norm(in_its_place(run, side) - reference) / np.linalg.norm(reference))
 
 
 _FAR = Perturbation(seed=11, translation=0.8)
@@ -126,7 +133,7 @@ DARK = Lesson(
 
 FAR_TURN = Lesson(
     "turn",
-    "Turned by 90°, 120° and 180°",
+    "Turned by 90°, 120°, 180°",
     (
         Step(
             (
@@ -140,8 +147,15 @@ FAR_TURN = Lesson(
                     "After 20 iterations Improved DO has less than 10° to go, DO more than 20°.",
                     lambda run: rotation_error(run, RIGHT, 20) < 10 and rotation_error(run, LEFT, 20) > 20,
                 ),
+                "Each pane has the other's scene laid over its own (*Overlay*, under *View*). Press **P**.",
             ),
-            State(perturbation=Perturbation(seed=2, rotation=90.0), speed=8),
+            State(
+                perturbation=Perturbation(seed=2, rotation=90.0),
+                iteration=20,
+                playing=False,
+                speed=8,
+                overlay="other method",
+            ),
         ),
         Step(
             (
@@ -151,13 +165,21 @@ FAR_TURN = Lesson(
                     "Both stop by themselves all the same:",
                     lambda run: all(side.trajectory.converged for side in run.sides),
                 ),
-                "the update became small, and that is all that a method can notice. It cannot see the green points.",
+                "the update became small, and that is all that a method can notice. The green lines to where each "
+                "point belongs are for us alone.",
+                Claim(
+                    "The dots stay further from the line than they would in place",
+                    lambda run: all(
+                        side.distances[-1] > _distance_in_place(run, i) for i, side in enumerate(run.sides)
+                    ),
+                ),
+                "(last chart of **Errors**, further down), but the maps make nothing of it.",
                 Claim(
                     "On 100 such scenes, 0.27 and 0.28 of the points are put right.",
                     means(("DO", "0.27"), ("Improved DO", "0.28"), sweep="rotation", level=120),
                 ),
             ),
-            State(perturbation=Perturbation(seed=3, rotation=120.0)),
+            State(perturbation=Perturbation(seed=3, rotation=120.0), error_vectors=True),
         ),
         Step(
             (

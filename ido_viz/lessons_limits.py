@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ido import Perturbation
+from ido.histograms import SIGMA2
 from ido.types import FloatArray
 from ido_viz.lesson import (
     BOTH,
@@ -27,6 +28,15 @@ from ido_viz.state import LAST, State
 
 _FAR_OUTLIER = Perturbation(seed=3, outliers=1)
 _FEW = Perturbation(seed=2, points=100, outliers=600)
+
+_BESIDE, _ONE_OUTLIER = 298, 280
+"""The one outlier that lies within the bunny, and the model point that is nearest to it."""
+
+
+def _weight_beside(run: Run) -> float:
+    away = run.scene.points[_ONE_OUTLIER].astype(np.float64) - run.sides[RIGHT].histogram.model.points[_BESIDE]
+    return float(run.scene.is_outlier[_ONE_OUTLIER] * np.exp(-(away**2).sum() / SIGMA2))
+
 
 OUTLIERS = Lesson(
     "outliers",
@@ -58,10 +68,18 @@ OUTLIERS = Lesson(
                         change_by_outliers(run, RIGHT)[0] > 5 * float(change_by_outliers(run, RIGHT)[1:].max())
                     ),
                 ),
+                "The model point beside it, yellow,",
+                Claim("gives it a weight of 0.79,", lambda run: f"{_weight_beside(run):.2f}" == "0.79"),
+                "as **Inspect** says.",
                 BOTH_IN_PLACE,
                 "A histogram adds up hundreds of points, so that a single one cannot pull it far. Press **P**.",
             ),
-            State(perturbation=Perturbation(seed=1, outliers=1), playing=False),
+            State(
+                perturbation=Perturbation(seed=1, outliers=1),
+                playing=False,
+                inspected=_BESIDE,
+                scene_point=_ONE_OUTLIER,
+            ),
         ),
         Step(
             (

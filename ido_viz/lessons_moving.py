@@ -21,6 +21,7 @@ from ido_viz.lesson import (
     map_size,
     means,
     rotation_error,
+    training_error,
 )
 from ido_viz.run import Run, norms
 from ido_viz.state import LAST, State
@@ -38,12 +39,6 @@ def _first_step_is_mostly_better(run: Run) -> bool:
             left.append(float(score(scene, trajectory.T_model_scene[-1]).rotation))
         better += left[RIGHT] < left[LEFT]
     return better > 20
-
-
-def _training_error(run: Run, side: int, maps_done: int = -1) -> float:
-    maps = run.sides[side].maps
-    assert maps is not None
-    return float(maps.curves.mean[maps_done])
 
 
 _QUARTER = Perturbation(noise=0.02, points=1000, outliers=0, incomplete=0.0, rotation=90.0, translation=0.0, seed=17)
@@ -77,7 +72,8 @@ TWO_MORE = Lesson(
                     "After ten iterations both have less than 5° to go.",
                     lambda run: all(rotation_error(run, side, 10) < 5 for side in BOTH),
                 ),
-                "Here, then, the two questions give a better start, not something that DO cannot see.",
+                "(A ball that is turned moves no dot; a bunny is no ball.) Here, then, the two questions give a better "
+                "start, not something that DO cannot see.",
             ),
             State(perturbation=_QUARTER, speed=5),
         ),
@@ -103,7 +99,7 @@ TWO_MORE = Lesson(
                 "Open **Training**: how far the training scenes still are from their place after each map.",
                 Claim(
                     "After the last map, Improved DO's error is less than half of DO's.",
-                    lambda run: _training_error(run, RIGHT) < 0.5 * _training_error(run, LEFT),
+                    lambda run: training_error(run, RIGHT) < 0.5 * training_error(run, LEFT),
                 ),
                 "It has learned the training scenes better. On new scenes, as the last step said, this pays little: "
                 "learning the examples better is not the same as doing better elsewhere.",
@@ -137,9 +133,7 @@ MAPS = Lesson(
                 "Map 15 works on scenes that are nearly in place:",
                 Claim(
                     "in training, less than a thirtieth of the error was left by then.",
-                    lambda run: all(
-                        _training_error(run, side, 14) < _training_error(run, side, 0) / 30 for side in BOTH
-                    ),
+                    lambda run: all(training_error(run, side, 14) < training_error(run, side, 0) / 30 for side in BOTH),
                 ),
                 Claim(
                     "Both methods' maps are now less than a fifth as large as map 1,",
@@ -192,6 +186,8 @@ def _would_be_wrong(run: Run, side: int) -> bool:
 
 
 _SLOW = Perturbation(seed=7, translation=0.5)
+_STOP_OF_DO = 31
+"""Iteration at which the paper's ε stops DO in that scene."""
 
 STOPPING = Lesson(
     "stopping",
@@ -210,7 +206,7 @@ STOPPING = Lesson(
                     "Improved DO after fewer than 100.",
                     lambda run: run.sides[RIGHT].trajectory.iterations < 100,
                 ),
-                "Open **Errors**. The lowest chart has the size of the updates, and ε as a dashed line. Remember the "
+                "Open **Errors**. The third chart has the size of the updates, and ε as a dashed line. Remember the "
                 "numbers.",
             ),
             State(perturbation=_SLOW, epsilon=PAPERS_EPSILON),
@@ -225,14 +221,16 @@ STOPPING = Lesson(
                         run.sides[side].trajectory.iterations > 2 * _stop_of_paper(run, side) for side in BOTH
                     ),
                 ),
-                "Drag through them: where ε = 0.005 stopped,",
+                "Where ε = 0.005 stopped,",
                 Claim(
                     "both were still in a wrong pose,",
                     lambda run: all(_would_be_wrong(run, side) for side in BOTH),
                 ),
-                "creeping on with small updates. A small update does not mean that the goal is near.",
+                "creeping on with small updates. The paler points stay at iteration 31,",
+                Claim("where it stopped DO.", lambda run: _stop_of_paper(run, LEFT) == _STOP_OF_DO),
+                "A small update does not mean that the goal is near.",
             ),
-            State(perturbation=_SLOW, speed=40),
+            State(perturbation=_SLOW, speed=40, overlay="another iteration", overlaid_iteration=_STOP_OF_DO),
         ),
         Step(
             (

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from ido import Perturbation
+from ido.attribution import Attribution
+from ido.types import FloatArray
 from ido_viz.lesson import (
     BOTH_IN_PLACE,
     LEFT,
@@ -79,13 +81,26 @@ SETTINGS = Lesson(
 
 _BALL = Perturbation(seed=86, outlier_kind="structured")
 _URBAN = State(shape="urban", perturbation=_BALL)
+_NO_BALL = replace(_URBAN, perturbation=replace(_BALL, outliers=0))
 
 
 def _turn_about_z(run: Run, side: int) -> float:
     """The first update's turn about the upright axis, radians; positive where it is towards the goal."""
     its = run.sides[side]
+    return float(its.trajectory.x[1, 5] * np.sign(_upright(run)))
+
+
+def _upright(run: Run) -> float:
+    """Part of the true turn about the upright axis: positive, negative or none."""
     R = run.scene.T_model_scene[:3, :3]
-    return float(its.trajectory.x[1, 5] * np.sign(R[1, 0] - R[0, 1]))
+    return float(R[1, 0] - R[0, 1])
+
+
+def _pushes(run: Run) -> FloatArray:
+    """What each block of Improved DO adds to the turn about the upright axis in the first update; shape (blocks,)."""
+    its = run.sides[RIGHT]
+    assert its.maps is not None
+    return Attribution.of(its.maps.maps[0], its.histogram, run.histogram(RIGHT, 0)).of_blocks[5]
 
 
 FAILURE = Lesson(
@@ -125,6 +140,25 @@ FAILURE = Lesson(
         ),
         Step(
             (
+                "What does that do to the first update? Open **Inspect**: its column φz is the turn about the upright "
+                "axis, block by block; the colours of the model in the right pane show it too.",
+                Claim("The goal needs a positive turn.", lambda run: _upright(run) > 0),
+                Claim("Front / back pushes by -0.22, the wrong way;", lambda run: f"{_pushes(run)[0]:.2f}" == "-0.22"),
+                Claim(
+                    "clockwise / anticlockwise hardly pushes, by -0.02.",
+                    lambda run: f"{_pushes(run)[2]:.2f}" == "-0.02",
+                ),
+                "Now drag *Outliers* to 0:",
+                Claim(
+                    "the third question pushes back by +0.16.",
+                    at(_NO_BALL, lambda run: f"{_pushes(run)[2]:+.2f}" == "+0.16"),
+                ),
+                "The ball has drowned the one question that pushed back.",
+            ),
+            replace(_URBAN, playing=False, coloring="φz"),
+        ),
+        Step(
+            (
                 "After one iteration, with the ball.",
                 Claim(
                     "Both first turn the wrong way about the upright axis, Improved DO more than twice as far.",
@@ -146,7 +180,7 @@ FAILURE = Lesson(
                 "that is far, and they see everything else that is far, too. Drag *Outliers* up, and find how many it "
                 "takes.",
             ),
-            replace(_URBAN, perturbation=replace(_BALL, outliers=0), speed=40),
+            replace(_NO_BALL, speed=40),
         ),
     ),
 )

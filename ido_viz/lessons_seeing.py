@@ -8,7 +8,7 @@ import numpy as np
 
 from ido import Perturbation
 from ido.histograms import SIGMA2, azimuth, elevation
-from ido.types import BoolArray
+from ido.types import BoolArray, DoubleArray
 from ido_viz.lesson import (
     BOTH,
     BOTH_IN_PLACE,
@@ -37,15 +37,72 @@ def _off_line_in_place(run: Run) -> float:
     return float(from_line(run.sides[LEFT], in_its_place(run, LEFT))[0])
 
 
+TAIL = 28
+"""Number of a model point on the bunny's tail."""
+
+_IN_FRONT, _BEHIND, _FAR = 69, 159, 359
+"""Scene points of `_SPARSE`: two near the tail, and one at the ears."""
+
+_SPARSE = replace(_CLEAN, noise=0.05, points=400)
+_ONE_PAIR = State(perturbation=_SPARSE, playing=False, inspected=TAIL, inspected_pane="left", scene_point=_IN_FRONT)
+
+
+def _of_tail(run: Run) -> tuple[BoolArray, DoubleArray]:
+    """Which scene points lie in front of the tail's point at the start, and what each of them weighs."""
+    model = run.sides[LEFT].histogram.model
+    offset = run.scene.points.astype(np.float64) - model.points[TAIL]
+    return offset @ model.normals[TAIL] > 0, np.exp(-(offset**2).sum(axis=1) / SIGMA2)
+
+
+def _weight(run: Run, scene_point: int) -> float:
+    return float(_of_tail(run)[1][scene_point])
+
+
+def _share_of_bin(run: Run, scene_point: int) -> float:
+    """Share of a scene point in what its side of the tail's point adds up to."""
+    front, weight = _of_tail(run)
+    return float(weight[scene_point] / weight[front == front[scene_point]].sum())
+
+
 HISTOGRAM = Lesson(
     "histogram",
     "What a histogram sees",
     (
         Step(
             (
-                "Grey is the *model*, coloured is the *scene*: a copy of it, here already in its place. Look at "
-                "**Histograms**. Each dot is a *bin*: how much of the scene lies near one point of the model, in front "
-                "of it or behind it. The line is what the model sees of itself.",
+                "Grey is the *model*, coloured the *scene*: a copy of it, here already in its place. In the left pane "
+                "all but one scene point are faded. At the tail, one model point, yellow, asks it: *are you in front "
+                "of me, outside my plane, or behind me?*",
+                Claim("In front,", lambda run: bool(_of_tail(run)[0][_IN_FRONT])),
+                "so it adds its *weight* to this model point's bin *front*.",
+                Claim("The weight is 0.59 of 1:", lambda run: f"{_weight(run, _IN_FRONT):.2f}" == "0.59"),
+                "the nearer, the more. The last table of **Inspect** has these numbers.",
+            ),
+            _ONE_PAIR,
+        ),
+        Step(
+            (
+                "The same model point, another scene point.",
+                Claim("This one is behind,", lambda run: not _of_tail(run)[0][_BEHIND]),
+                "on the other side of the plane, and further away:",
+                Claim("it adds only 0.04", lambda run: f"{_weight(run, _BEHIND):.2f}" == "0.04"),
+                Claim(
+                    "and is a thirtieth of the bin *back*.", lambda run: 1 / 33 < _share_of_bin(run, _BEHIND) < 1 / 30
+                ),
+                "In **Inspect**, set *Scene point* to 359, at the ears:",
+                Claim("its weight is nothing.", lambda run: _weight(run, _FAR) < 1e-6),
+                Claim(
+                    "Of the 400 scene points, 15 weigh more than a hundredth here.",
+                    lambda run: len(run.scene.points) == 400 and int((_of_tail(run)[1] > 0.01).sum()) == 15,
+                ),
+            ),
+            replace(_ONE_PAIR, scene_point=_BEHIND),
+        ),
+        Step(
+            (
+                "Now all points of the scene, and all of the model. Look at **Histograms**. Each dot is a bin: how "
+                "much of the scene lies near one point of the model, in front of it or behind it. The line is what the "
+                "model sees of itself.",
                 Claim("The dots gather along the line", lambda run: _off_line(run, 0) < 0.45),
                 Claim(
                     "but do not lie on it, because the scene has points of its own.",
@@ -81,7 +138,8 @@ HISTOGRAM = Lesson(
                     "The dots are back at the line, less than half as far from it as at the start.",
                     lambda run: _off_line(run, run.iterations) < 0.5 * _off_line(run, 0),
                 ),
-                "Press **R**, then **N** for one iteration at a time.",
+                "The last chart of **Errors**, further down, draws this distance. Press **R**, then **N** for one "
+                "iteration at a time.",
             ),
             State(perturbation=_TURNED, speed=3),
         ),
@@ -115,7 +173,7 @@ def _pair_sums_are_equal(run: Run) -> bool:
     return bool(np.allclose(pairs, pairs[:, :1], rtol=1e-4))
 
 
-_EAR = State(perturbation=replace(_CLEAN, noise=0.05, points=400), playing=False, inspected=EAR)
+_EAR = State(perturbation=_SPARSE, playing=False, inspected=EAR)
 
 BINARIES = Lesson(
     "binaries",

@@ -80,7 +80,7 @@ class PaneView:
         self._ghost.visible = state.ghost and (inspection is None or inspection.point is None)
         k = side.clipped(iteration)
         _move(self._scene, side.T_model_scene[k])
-        self._connect(run.scene, side.T_model_scene[k], shown=state.error_vectors)
+        self._connect(run.scene, side.T_model_scene[k], inspection, shown=state.error_vectors)
         over = overlaid(run, state, iteration, self._side)
         self._lay_over(over)
         self._label.font_screen_scale = 1.3 if state.large_text else 1.0
@@ -98,11 +98,13 @@ class PaneView:
         self._trail.points = np.stack([track[:-1], track[1:]], axis=1) if len(track) > 1 else _NO_LINES
         self._drawn = (scene, side.trajectory)
 
-    def _connect(self, scene: Scene, T: FloatArray, *, shown: bool) -> None:
-        """Draw a line from each scene point that is no outlier to where it belongs."""
-        self._errors.visible = shown
-        if shown:
-            self._errors.points = error_vectors(scene, T)
+    def _connect(self, scene: Scene, T: FloatArray, inspection: Inspection | None, *, shown: bool) -> None:
+        """Draw a line from each scene point that is no outlier to where it belongs, or from the picked one alone."""
+        one = None if inspection is None or inspection.point is None else inspection.scene_point
+        lines = error_vectors(scene, T, one) if shown else _NO_LINES[:0]
+        self._errors.visible = len(lines) > 0
+        if len(lines):
+            self._errors.points = lines
 
     def _lay_over(self, over: Overlaid | None) -> None:
         self._overlay.visible = over is not None
@@ -137,11 +139,21 @@ class PaneView:
         self._answered = answered
 
 
-def error_vectors(scene: Scene, T_model_scene: FloatArray) -> np.ndarray:
-    """From where each scene point that is no outlier lies at a pose to where it belongs; float32, shape (n, 2, 3)."""
-    points = scene.points[~scene.is_outlier]
-    ends = [poses.transform(T, points) for T in (T_model_scene, scene.T_model_scene)]
-    return np.stack(ends, axis=1).astype(np.float32)
+def error_vectors(scene: Scene, T_model_scene: FloatArray, one: int | None = None) -> np.ndarray:
+    """From where each scene point that is no outlier lies at a pose to where it belongs; float32, shape (n, 2, 3).
+
+    Args:
+        scene: whose points.
+        T_model_scene: the pose, shape (4, 4).
+        one: number of a scene point, for its line alone; None for all. An outlier belongs nowhere and has none.
+    """
+    chosen = ~scene.is_outlier
+    if one is not None:
+        chosen &= np.arange(len(chosen)) == one
+    points = scene.points[chosen]
+    return np.stack([poses.transform(T, points) for T in (T_model_scene, scene.T_model_scene)], axis=1).astype(
+        np.float32
+    )
 
 
 def answer_colors(first: BoolArray, counts: FloatArray, question: Question, dark: bool) -> np.ndarray:

@@ -164,13 +164,17 @@ class Session:
             self._tell("This code cannot be used", str(error))
             return
 
-        self._open_page(state, keep_dark=False)
+        self._open_page(state, whole=True)
 
-    def _open_page(self, state: State, *, keep_dark: bool = True) -> None:
+    def _open_page(self, state: State, *, whole: bool = False) -> None:
+        """Show a prepared page; unless the whole of it is wanted, it keeps the look that was chosen for the room."""
+
         def begin(now: State) -> State:
             self._position = float(max(state.iteration, 0))
             self._ticked = time.perf_counter()
-            return replace(state, dark=now.dark) if keep_dark else state
+            if whole:
+                return state
+            return replace(state, dark=now.dark, large_text=now.large_text, hidden=now.hidden)
 
         self._change(begin, show=True)
 

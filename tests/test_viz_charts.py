@@ -118,5 +118,9 @@ def test_error_vectors_are_as_long_as_the_scores_say(run: Run):
             lengths = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
             assert np.sqrt((lengths**2).mean()) == pytest.approx(side.scores.rmse[k], rel=1e-4)
             assert (lengths <= 0.1).mean() == pytest.approx(side.scores.accuracy[k], abs=1e-9)
+    whole = error_vectors(run.scene, run.sides[0].T_model_scene[3])
+    np.testing.assert_array_equal(error_vectors(run.scene, run.sides[0].T_model_scene[3], 17), whole[17:18])
+    assert run.scene.is_outlier[-1]
+    assert len(error_vectors(run.scene, run.sides[0].T_model_scene[3], len(run.scene.points) - 1)) == 0
     belongs = error_vectors(run.scene, run.scene.T_model_scene)
     np.testing.assert_array_equal(belongs[:, 0], belongs[:, 1])
