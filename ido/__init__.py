@@ -2,13 +2,14 @@
 
 In the order of the paper: a cloud, a perturbation that makes a scene of it, a histogram that describes the scene at a
 pose, training that turns many scenes into maps, registration that walks the maps, scores, and the methods it is
-compared with.
+compared with, or that are your own.
 """
 
 from ido.clouds import Cloud, CloudError, Model, load_cloud
 from ido.histograms import HISTOGRAMS, AsPrinted, FrontBack, Histogram, SceneBatch, TripleBinary
 from ido.maps import Maps, MapsError, TrainingCurves, TrainingSettings
 from ido.methods import Method, method_names, shipped_method
+from ido.own import LearnedMethod, OwnError, OwnMethod, UpdateMethod, register_updates
 from ido.perturbation import RANGES, Perturbation, Scene, perturb
 from ido.registration import StopReason, Trajectory, register, register_batch
 from ido.runs import RecordedMethod, RecordedRun, RunError, load_run
@@ -25,10 +26,13 @@ __all__ = [
     "CloudError",
     "FrontBack",
     "Histogram",
+    "LearnedMethod",
     "Maps",
     "MapsError",
     "Method",
     "Model",
+    "OwnError",
+    "OwnMethod",
     "Perturbation",
     "RecordedMethod",
     "RecordedRun",
@@ -41,12 +45,14 @@ __all__ = [
     "TrainingSettings",
     "Trajectory",
     "TripleBinary",
+    "UpdateMethod",
     "load_cloud",
     "load_run",
     "method_names",
     "perturb",
     "register",
     "register_batch",
+    "register_updates",
     "score",
     "shipped_cloud",
     "shipped_maps",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import multiprocessing
-import os
 import signal
 import time
 import warnings
@@ -12,43 +11,34 @@ from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 import tyro
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
-from tyro.conf import Positional, arg
+from tyro.conf import arg
 from tyro.extras import SubcommandApp
 
-from ido.clouds import Cloud, Model, Orientation, load_cloud, save_cloud
+from ido.arguments import MAPS_HELP, CloudName, HistogramName, check_output, habits, maps_of, points_of
+from ido.clouds import Cloud, Model, Orientation, save_cloud
 from ido.console import note, progress_bar
 from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.experiments.commands import app as experiments
-from ido.histograms import HISTOGRAMS
 from ido.maps import Maps, TrainingSettings
+from ido.own import histogram_class
 from ido.perturbation import OutlierKind, Perturbation
 from ido.poses import transform
 from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory
-from ido.shipped import SHAPES, shipped_cloud, shipped_maps
 from ido.training import train
 from ido.types import FloatArray
 from ido.user_units import Start, cloud_of_maps, doubts, register_original
 
 if TYPE_CHECKING:
-    HistogramName = SweepName = str
+    SweepName = str
 else:
-    HistogramName = Literal[tuple(HISTOGRAMS)]
     SweepName = Literal[tuple(LEVELS)]
-
-_SHIPPED_MAPS = [f"{shape}-{histogram}" for shape, its in SHAPES.items() for histogram in its.histograms]
-
-CloudName = Annotated[
-    Positional[str],
-    arg(metavar="CLOUD", help=f"File (PLY, PCD, XYZ, NPZ, OBJ, STL, OFF) or shipped shape: {', '.join(SHAPES)}."),
-]
-MAPS_HELP = f"made by `ido train`, or shipped ones by name: {', '.join(_SHIPPED_MAPS)}."
 
 
 def main(args: Sequence[str] | None = None) -> int | None:
@@ -100,7 +90,8 @@ def train_command(
     Args:
         cloud: File or shipped shape.
         output: Where the maps go. A file already there is replaced once training has ended.
-        histogram: What the maps see of a scene: front-back is DO, triple-binary is Improved DO.
+        histogram: What the maps see of a scene: front-back is DO, triple-binary is Improved DO, and
+            module:Class is one of your own.
         samples: Number of training scenes. Fewer train faster and register worse.
         maps: Number of maps.
         ridge: Weight λ of the penalty on large maps.
@@ -109,12 +100,12 @@ def train_command(
         normals: Side the model's normals point to; changes no result. Default: the shape's own, else outward.
         workers: Describe the scenes in this many processes. Default: threads of this one, about as fast.
     """
-    _check_output(output, ".npz")
-    kind, orientation = _habits(cloud, outlier_kind, normals)
+    check_output(output, ".npz")
+    kind, orientation = habits(cloud, outlier_kind, normals)
     settings = TrainingSettings(samples=samples, maps=maps, ridge=ridge, seed=seed, outlier_kind=kind)
     pool = _process_pool(workers)
-    normalised = Cloud.of(_points_of(cloud))
-    feature = HISTOGRAMS[histogram](Model.of(normalised, orientation=orientation))
+    normalised = Cloud.of(points_of(cloud))
+    feature = histogram_class(histogram)(Model.of(normalised, orientation=orientation))
     began = time.monotonic()
     with pool as executor, progress_bar("{task.completed} of {task.total} maps", "{task.description}") as progress:
         task = progress.add_task(f"drawing {samples:,} scenes", total=maps)
@@ -142,6 +133,7 @@ def train_command(
 def register_command(
     cloud: CloudName,
     maps: Annotated[str, arg(metavar="FILE.npz", help=f"Maps: a file {MAPS_HELP}")],
+    histogram: HistogramName | None = None,
     start: Start = "here",
     epsilon: float = EPSILON,
     max_iterations: int = MAX_ITERATIONS,
@@ -163,6 +155,7 @@ def register_command(
     Args:
         cloud: File or shipped shape.
         maps: Maps to walk.
+        histogram: What the maps see, as module:Class, when it is a feature of your own.
         start: Where to start: where the cloud lies, or with its bounding-box centre moved onto the model's.
         epsilon: Stop once an update is shorter than this. The paper says 0.005; smaller is slower and more exact.
         max_iterations: Stop after this many updates in any case.
@@ -174,12 +167,12 @@ def register_command(
     if max_iterations < 1:
         raise ValueError(f"max-iterations must be at least 1, not {max_iterations}")
     if output:
-        _check_output(output)
+        check_output(output)
     if moved:
-        _check_output(moved, ".ply", ".xyz")
+        check_output(moved, ".ply", ".xyz")
         if moved.resolve() == Path(cloud).resolve():
             raise ValueError(f"{moved}: this is the cloud itself; write the moved one elsewhere")
-    original, trained = _points_of(cloud), _maps_of(maps)
+    original, trained = points_of(cloud), maps_of(maps, histogram)
     for doubt in doubts(trained, original, start):
         note(f"[bold yellow]warning:[/] {escape(doubt)}")
     T_model_scene, track = register_original(
@@ -197,6 +190,7 @@ def register_command(
 def sweep_command(
     cloud: CloudName,
     maps: Annotated[tuple[str, ...], arg(metavar="FILE.npz ...", help=f"Maps to compare: files {MAPS_HELP}")],
+    histogram: HistogramName | None = None,
     scenes: int = 100,
     sweeps: tuple[SweepName, ...] = tuple(LEVELS),
     epsilon: float = EPSILON,
@@ -212,6 +206,7 @@ def sweep_command(
     Args:
         cloud: The cloud that the maps were trained on.
         maps: Maps to compare.
+        histogram: What some of them see, as module:Class, when it is a feature of your own.
         scenes: Scenes at each level, at least 2.
         sweeps: Which perturbations to vary.
         epsilon: Stop a registration once an update is shorter than this.
@@ -224,9 +219,9 @@ def sweep_command(
         raise ValueError("name at least one of the maps and one of the sweeps")
     if not (np.isfinite(epsilon) and epsilon >= 0):
         raise ValueError(f"epsilon must be a number of at least 0, not {epsilon}")
-    base = Perturbation(outlier_kind=_habits(cloud, outlier_kind, None)[0], seed=seed)
-    original = _points_of(cloud)
-    methods = {name: _maps_of(name) for name in maps}
+    base = Perturbation(outlier_kind=habits(cloud, outlier_kind, None)[0], seed=seed)
+    original = points_of(cloud)
+    methods = {name: maps_of(name, histogram) for name in maps}
     clouds = {name: cloud_of_maps(trained, original) for name, trained in methods.items()}
     table = Table("sweep", *map(escape, methods), title=f"mean PointAcc ± 95% (PointRMSE), {scenes} scenes a level")
     with progress_bar("{task.completed} of {task.total} sweeps", "{task.description}") as progress:
@@ -252,40 +247,6 @@ def pose_as_json(T_model_scene: FloatArray, track: Trajectory) -> str:
         "converged": track.converged,
     }
     return json.dumps(result, indent=2, allow_nan=False)
-
-
-def _points_of(cloud: str) -> FloatArray:
-    if cloud in SHAPES:
-        shipped = shipped_cloud(cloud)
-        return shipped.frame.to_user_units(shipped.points)
-    return load_cloud(cloud)
-
-
-def _maps_of(name: str) -> Maps:
-    if name in _SHIPPED_MAPS:
-        return shipped_maps(*name.split("-", 1))
-    if not Path(name).suffix:
-        raise ValueError(f"{name}: no such maps; give a .npz file or one of {', '.join(_SHIPPED_MAPS)}")
-    return Maps.load(name)
-
-
-def _habits(cloud: str, kind: OutlierKind | None, normals: Orientation | None) -> tuple[OutlierKind, Orientation]:
-    """What was asked for, else what is usual for a shipped shape, else the first choice."""
-    shape = SHAPES.get(cloud)
-    if shape is None:
-        return kind or get_args(OutlierKind)[0], normals or get_args(Orientation)[0]
-    return kind or shape.outlier_kind, normals or shape.orientation
-
-
-def _check_output(path: Path, *suffixes: str) -> None:
-    if suffixes and path.suffix.lower() not in suffixes:
-        raise ValueError(f"{path}: the name must end in {' or '.join(suffixes)}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{path.parent}: no such folder")
-    if path.is_dir():
-        raise ValueError(f"{path}: is a folder")
-    if not os.access(path.parent, os.W_OK):
-        raise ValueError(f"{path.parent}: no permission to write there")
 
 
 def _process_pool(workers: int | None) -> AbstractContextManager[Executor | None]:

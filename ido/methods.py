@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Protocol
+from typing import Protocol, cast
+
+import numpy as np
 
 from ido.baselines import BCPD, CPD, ICP, KCCE, Baseline, GMMReg, Nothing
 from ido.clouds import Model
+from ido.histograms import Histogram
 from ido.maps import Maps
+from ido.own import LearnedMethod, OwnError, OwnMethod, UpdateMethod, checked_histogram, register_updates
 from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory, Watch, register
 from ido.shipped import SHAPES, shipped_maps
 from ido.types import FloatArray
@@ -52,7 +56,8 @@ class Method:
         settings: all of them, plain values.
         register: registers one scene.
         model: what scenes are registered onto.
-        maps: what was learned; None for a baseline.
+        maps: what was learned; None for a method that learns nothing.
+        histogram: what its poses are seen through; None for a baseline, which has none of its own.
     """
 
     name: str
@@ -60,18 +65,60 @@ class Method:
     register: Registers
     model: Model
     maps: Maps | None = None
+    histogram: Histogram | None = None
 
     @classmethod
     def learned(cls, name: str, maps: Maps, epsilon: float = EPSILON, max_iterations: int = MAX_ITERATIONS) -> Method:
         """The method that walks maps."""
         settings = {"histogram": maps.histogram.name, "epsilon": epsilon, "max_iterations": max_iterations}
         run = partial(register, maps, epsilon=epsilon, max_iterations=max_iterations)
-        return cls(name, settings, run, maps.histogram.model, maps)
+        return cls(name, settings, run, maps.histogram.model, maps, maps.histogram)
 
     @classmethod
     def baseline(cls, name: str, baseline: Baseline, model: Model) -> Method:
         """A baseline on a model."""
         return cls(name, baseline.settings, partial(baseline.register, model.points), model)
+
+    @classmethod
+    def own(
+        cls,
+        name: str,
+        own: OwnMethod,
+        histogram: Histogram,
+        epsilon: float = EPSILON,
+        max_iterations: int = MAX_ITERATIONS,
+    ) -> Method:
+        """A method of one's own, by its maps or by its updates; see `ido.own`.
+
+        Args:
+            name: as it is shown.
+            own: has either `maps` or `update`.
+            histogram: what the poses of a method that has no histogram of its own are seen through.
+            epsilon: it stops once an update is shorter than this.
+            max_iterations: it makes so many updates at most.
+
+        Raises:
+            OwnError: it has neither or both, or what it has cannot be used.
+        """
+        has = {"maps", "update"} & set(dir(own))  # dir: a property that fails must tell why itself
+        if len(has) != 1:
+            found = "both" if has else "neither"
+            raise OwnError(f"{name} needs either maps or a method update(points, x); it has {found}")
+        if "maps" in has:
+            maps = cast(LearnedMethod, own).maps
+            if not isinstance(maps, Maps):
+                raise OwnError(f"{name}: its maps must be ido.Maps, as ido.train gives them, not {type(maps).__name__}")
+            n_bins = checked_histogram(maps.histogram, name).n_bins
+            if maps.maps.shape[1:] != (6, n_bins) or not np.isfinite(maps.maps).all():
+                raise OwnError(f"{name}: its maps must be finite, of the shape (6, {n_bins}) each")
+            return cls.learned(name, maps, epsilon, max_iterations)
+        its_own = getattr(own, "histogram", None)
+        seen_through = checked_histogram(histogram if its_own is None else its_own, name)
+        kind = f"{type(own).__module__}:{type(own).__qualname__}"
+        settings = {"class": kind, "epsilon": epsilon, "max_iterations": max_iterations}
+        updates = cast(UpdateMethod, own)
+        run = partial(register_updates, updates, name=name, epsilon=epsilon, max_iterations=max_iterations)
+        return cls(name, settings, run, seen_through.model, None, seen_through)
 
 
 def method_names(shape: str) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ import viser
 from ido.console import hush
 from ido.runs import chosen_iterations
 from ido_viz import palette
+from ido_viz.captions import scene_line
 from ido_viz.pane import PaneView
 from ido_viz.run import Run
 from ido_viz.state import State
@@ -67,11 +68,6 @@ def _throw_away_server() -> Iterator[viser.ViserServer]:
 
 def _caption(state: State) -> str:
     """What scene it is and what the colours mean, over the lower left corner."""
-    p = state.perturbation
-    scene = (
-        f"{state.shape}, seed {p.seed}: rotation {p.rotation:g}°, translation {p.translation:g}, noise {p.noise:g}, "
-        f"{p.points} points, {p.incomplete:.0%} of them removed, {p.outliers} outliers"
-    )
     colors = {
         "model": ((128, 128, 128),),
         "scene": palette.METHODS,
@@ -84,5 +80,5 @@ def _caption(state: State) -> str:
     )
     return (
         f'<div style="position:fixed;left:14px;bottom:54px;font:12px/1.5 sans-serif;pointer-events:none;'
-        f'color:{palette.css(palette.ink(state.dark))}">{html.escape(scene)}<br>{legend}</div>'
+        f'color:{palette.css(palette.ink(state.dark))}">{html.escape(scene_line(state))}<br>{legend}</div>'
     )

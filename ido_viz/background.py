@@ -5,11 +5,16 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from types import TracebackType
 from typing import Generic, TypeVar
 
-from ido.registration import Watch
-
 Result = TypeVar("Result")
+
+Report = Callable[[int | str], None]
+"""Called by work with the number of its iterations so far, or with what it is at; what it raises ends the work."""
+
+POLL = 0.1
+"""Seconds between two looks at whether somebody who waits has given up."""
 
 _TELL = 0.25  # seconds between two tellings of how far it is
 
@@ -22,24 +27,38 @@ class Job(Generic[Result]):
     """Runs `work` at once. `changed` is called, on the job's thread, now and then and when it has ended.
 
     Args:
-        work: gets a function to call with the number of its iterations so far; that is where it can be cancelled.
+        work: gets a function to report to; that is where it can be cancelled.
         changed: is to look at the job.
     """
 
-    def __init__(self, work: Callable[[Watch], Result], changed: Callable[[], None]) -> None:
+    def __init__(self, work: Callable[[Report], Result], changed: Callable[[], None]) -> None:
         self._work = work
         self._changed = changed
-        self._cancelled = False
         self._began = self._told = time.perf_counter()
-        self.iterations = 0
-        self.ended = False
+        self._end = threading.Event()
+        self.cancelled = False
+        self.progress = "computing"
         self.result: Result | None = None
-        self.error: Exception | None = None
+        self.error: BaseException | None = None
+        self.traceback: TracebackType | None = None
         threading.Thread(target=self._run, name="job", daemon=True).start()
 
     def cancel(self) -> None:
-        """Have it end at its next iteration, without a result."""
-        self._cancelled = True
+        """Have it end at its next report, without a result."""
+        self.cancelled = True
+
+    def resume(self) -> None:
+        """Take a cancelling back; it comes too late if the work has already ended for it."""
+        self.cancelled = False
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for the end, so long at most; whether it has come."""
+        return self._end.wait(seconds)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the result or the error is there, or neither, when it was cancelled."""
+        return self._end.is_set()
 
     @property
     def seconds(self) -> float:
@@ -48,18 +67,66 @@ class Job(Generic[Result]):
 
     def _run(self) -> None:
         try:
-            self.result = self._work(self._watch)
+            self.result = self._work(self._report)
         except CancelledError:
             pass
-        except Exception as error:  # told to whoever looks at the job
-            self.error = error
-        self.ended = True
+        except BaseException as error:  # told to whoever looks; a method of one's own may even call sys.exit
+            self.error, self.traceback = error, error.__traceback__
+        self._end.set()
         self._changed()
 
-    def _watch(self, iterations: int) -> None:
-        self.iterations = iterations
-        if self._cancelled:
+    def _report(self, done: int | str) -> None:
+        if self.cancelled:
             raise CancelledError
+        self.progress = f"computing, iteration {done}" if isinstance(done, int) else done
         if time.perf_counter() - self._told > _TELL:
             self._told = time.perf_counter()
             self._changed()
+
+
+class Shared(Generic[Result]):
+    """Work that is done once, when it is first asked for, for all who ask.
+
+    Who waits may give up without harm to the others; when all have, the work is cancelled, and begins anew when
+    somebody asks again. An error is kept like a result.
+    """
+
+    def __init__(self, work: Callable[[Report], Result]) -> None:
+        self._work = work
+        self._lock = threading.Lock()
+        self._job: Job[Result] | None = None
+        self._waiting = 0
+
+    def get(self, report: Report) -> Result:
+        """The result, waited for if need be.
+
+        Args:
+            report: told how far the work is while it is waited for; what it raises ends the waiting.
+
+        Raises:
+            BaseException: what the work raised.
+        """
+        while True:
+            job = self._awaited(report)
+            if job.error is not None:
+                raise job.error.with_traceback(job.traceback)  # or it would grow with each who asks
+            if job.result is not None:
+                return job.result
+            with self._lock:  # it had been cancelled before this one came
+                if self._job is job:
+                    self._job = None
+
+    def _awaited(self, report: Report) -> Job[Result]:
+        with self._lock:
+            self._job = job = self._job or Job(self._work, lambda: None)
+            job.resume()
+            self._waiting += 1
+        try:
+            while not job.wait(POLL):
+                report(job.progress)
+            return job
+        finally:
+            with self._lock:
+                self._waiting -= 1
+                if self._waiting == 0:
+                    job.cancel()

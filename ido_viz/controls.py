@@ -49,7 +49,7 @@ class Controls:
         self._view(gui, state)
         self._share = ShareFolder(gui, state, actions, self._on_input)
         self._parts["share"] = self._share.folder
-        ExportFolder(client, actions.shown)
+        self._parts["download"] = ExportFolder(client, actions.shown).folder
         for handle in self._inputs.values():
             handle.on_update(self._on_input)
         for label, key, act in (

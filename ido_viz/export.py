@@ -1,4 +1,4 @@
-"""What a page shows, as files to take away: the run (.npz), its curves (.csv) and an animation (.html)."""
+"""What a page shows, as files to take away: the run, its curves, animations and charts."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from ido.methods import BASELINES, Method
 from ido.runs import RecordedMethod, RecordedRun
 from ido_viz.animation import animation_html
-from ido_viz.run import MethodRun, Run, norms
+from ido_viz.chart_archive import charts_zip
+from ido_viz.run import Run, norms
+from ido_viz.slides import animation_gif
 from ido_viz.state import State, encode
 
 _log = logging.getLogger(__name__)
@@ -29,8 +30,9 @@ COLUMNS = (
     "rotation error (degrees)",
     "translation error",
     "update norm",
+    "histogram distance",
 )
-"""Of the curves; distances are in model units."""
+"""Of the curves; errors are in model units but for the angle, the last two as `MethodRun` has them."""
 
 Shown = Callable[[], tuple[Run, State] | None]
 """Gives the run that a page shows, with the state that it was drawn for; None before there is one."""
@@ -64,7 +66,7 @@ def recorded(run: Run, state: State) -> RecordedRun:
         perturbation=state.perturbation,
         scene=run.scene,
         methods=tuple(
-            RecordedMethod.of(side.method, _settings(side, state), side.trajectory, run.scene, side.histogram)
+            RecordedMethod.of(side.method, side.settings, side.trajectory, run.scene, side.histogram)
             for side in run.sides
         ),
         code=encode(state),
@@ -88,7 +90,7 @@ def curves_csv(run: Run) -> str:
     rows.writerow(COLUMNS)
     for pane, side in zip(("left", "right"), run.sides, strict=True):
         s = side.scores
-        columns = (s.accuracy, s.rmse, s.rotation, s.translation, norms(side))
+        columns = (s.accuracy, s.rmse, s.rotation, s.translation, norms(side), side.distances)
         for iteration, row in enumerate(np.stack(columns, axis=1).tolist()):
             rows.writerow([pane, side.method, iteration, *("" if np.isnan(value) else value for value in row)])
     return text.getvalue()
@@ -103,6 +105,8 @@ EXPORTS = (
         lambda run, _: curves_csv(run).encode(),
     ),
     Export("Animation (.html)", "Both methods in one file that opens in any browser.", ".html", animation_html),
+    Export("Animation (.gif)", "Both methods as a moving picture for slides.", ".gif", animation_gif),
+    Export("Charts (.zip)", "Histograms, maps and curves for a paper, as SVG and PNG.", ".zip", charts_zip),
 )
 """What the page offers."""
 
@@ -118,7 +122,8 @@ class ExportFolder:
     def __init__(self, client: viser.ClientHandle, shown: Shown) -> None:
         self._client = client
         self._shown = shown
-        with client.gui.add_folder("Download", expand_by_default=False):
+        self.folder = client.gui.add_folder("Download")
+        with self.folder:
             for export in EXPORTS:
                 button = client.gui.add_button(export.label, icon=viser.Icon.DOWNLOAD, color="gray", hint=export.hint)
                 button.on_click(lambda event, export=export: self._send(event.target, export))
@@ -150,10 +155,3 @@ class ExportFolder:
 def file_name(state: State, ending: str) -> str:
     """A name for a file of a state: its shape and seed, in letters that every system takes."""
     return f"ido-{re.sub(r'[^A-Za-z0-9]+', '-', state.shape).strip('-')}-{state.perturbation.seed}{ending}"
-
-
-def _settings(side: MethodRun, state: State) -> dict[str, object]:
-    """All settings of a side's method, plain values."""
-    if side.maps is None:
-        return dict(BASELINES[side.method].settings)
-    return dict(Method.learned(side.method, side.maps, state.epsilon, state.max_iterations).settings)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from ido import Scene
 from ido_viz.background import Job
+from ido_viz.failures import headline, traceback_of
 from ido_viz.library import Library
 from ido_viz.run import MethodRun, Run, inputs, make_scene, register_side, waiting_side
 from ido_viz.state import State
@@ -36,15 +37,16 @@ class LiveRun:
         """With what the background has reached."""
         with self._lock:
             for side, job in list(self._jobs.items()):
-                if not job.ended:
-                    self._set(side, waiting=f"computing, iteration {job.iterations}")
-                    continue
-                del self._jobs[side]
-                if job.result is not None:
+                if job.ended or job.cancelled:  # what hangs may never get to see that it was cancelled
+                    del self._jobs[side]
+                if job.result is not None and not job.cancelled:
                     self._set(side, job.result)
+                elif job.error is not None:
+                    self._tell(side, f"failed: {headline(job.error)}", traceback_of(job.error))
+                elif job.cancelled:
+                    self._tell(side, "cancelled", "")
                 else:
-                    error = job.error
-                    self._set(side, waiting=f"failed: {type(error).__name__}: {error}" if error else "cancelled")
+                    self._tell(side, job.progress)
             return self._run
 
     @property
@@ -69,7 +71,7 @@ class LiveRun:
         names = (state.left, state.right)
         slow = [side for side, name in enumerate(names) if not self._library.quick(state.shape, name)]
         left, right = (
-            waiting_side(state, self._library, name, scene, "computing")
+            replace(waiting_side(state, self._library, name, scene, "computing"), trace=self._last_trace(side, name))
             if side in slow
             else register_side(state, self._library, name, scene)
             for side, name in enumerate(names)
@@ -85,6 +87,7 @@ class LiveRun:
         with self._lock:
             for job in self._jobs.values():
                 job.cancel()
+        self._changed()
 
     def close(self) -> None:
         """Cancel what is under way and forget it."""
@@ -99,10 +102,19 @@ class LiveRun:
             job.cancel()
         self._jobs = {}
 
-    def _set(self, side: int, result: MethodRun | None = None, *, waiting: str = "") -> None:
+    def _tell(self, side: int, waiting: str, trace: str | None = None) -> None:
         assert self._run is not None
-        sides = list(self._run.sides)
-        if result is None and sides[side].waiting == waiting:
-            return
-        sides[side] = result or replace(sides[side], waiting=waiting)
-        self._run = replace(self._run, sides=(sides[0], sides[1]))
+        before = self._run.sides[side]
+        told = replace(before, waiting=waiting, trace=before.trace if trace is None else trace)
+        if (told.waiting, told.trace) != (before.waiting, before.trace):  # or it would be drawn for nothing
+            self._set(side, told)
+
+    def _set(self, side: int, result: MethodRun) -> None:
+        assert self._run is not None
+        left, right = self._run.sides
+        self._run = replace(self._run, sides=(left, result) if side else (result, right))
+
+    def _last_trace(self, side: int, name: str) -> str:
+        """Where a side's method failed before: shown until it is known anew, or the page would jump at each change."""
+        before = self._run.sides[side] if self._run else None
+        return before.trace if before and before.method == name else ""

@@ -9,6 +9,7 @@ import viser
 from ido_viz.actions import Actions
 from ido_viz.charts import ErrorCharts, HistogramChart, caption
 from ido_viz.compare import ComparePanel, Comparison
+from ido_viz.derivations import Derivations
 from ido_viz.heatmaps import ComparedMaps, Heatmap
 from ido_viz.inspect_panel import InspectPanel
 from ido_viz.lesson_panel import LessonPanel
@@ -61,12 +62,14 @@ class Panels:
         with lessons:
             LessonPanel(gui, actions.open_page, state)
         top = gui.add_panel(order=0)
-        with top.add_tab("Histograms", viser.Icon.CHART_HISTOGRAM):
+        with top.add_tab("Histograms"):
             height = _chart_height(client.camera.image_height)
             self._histograms = [HistogramChart(gui, side, height) for side in range(2)]
         with top.add_tab("Training"):
             self._training = TrainingCharts(gui)
-        with top.add_tab("What is this?", viser.Icon.HELP):
+        with top.add_tab("Derivations"):
+            self._derivations = Derivations(gui)
+        with top.add_tab("Help"):
             gui.add_markdown(_HELP)
         bottom = gui.add_panel(order=1)
         with bottom.add_tab("Maps"):
@@ -133,3 +136,4 @@ class Panels:
         self._errors.draw(run, state, iteration)
         self._compared.draw(run, state)
         self._training.draw(run, state)
+        self._derivations.draw(state.dark)

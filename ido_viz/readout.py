@@ -11,7 +11,7 @@ from ido_viz.run import MethodRun, Run, norms
 
 
 def readout_html(run: Run, iteration: int) -> str:
-    """A table of both sides' live numbers."""
+    """A table of both sides' live numbers, and below it where a side failed, if one did."""
     rows: list[tuple[str, list[str]]] = [
         ("Iteration", []),
         ("Next update", []),
@@ -39,7 +39,28 @@ def readout_html(run: Run, iteration: int) -> str:
     )
     return (
         '<table class="readout" style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:0.75rem;line-height:1.35;'
-        f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>' + _LEGEND
+        f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>'
+        + _LEGEND
+        + "".join(map(trace_html, range(2), run.sides))
+    )
+
+
+def trace_html(number: int, side: MethodRun) -> str:
+    """The traceback of a side that failed, in a box that scrolls and begins at its end; nothing for one that did not.
+
+    Args:
+        number: of the side, 0 for the left one.
+        side: its run.
+    """
+    if not side.trace:
+        return ""
+    color = palette.css(palette.METHODS[number])
+    return (
+        f'<div style="margin:6px 8px 0 8px;font-size:0.6875rem"><b style="color:{color}">{html.escape(side.method)}</b>'
+        ' failed:</div><div class="trace" tabindex="0" style="display:flex;flex-direction:column-reverse;overflow:auto;'
+        f"max-height:14rem;margin:2px 8px 6px 8px;padding:4px;border-left:3px solid {color};"
+        f'background:rgba(128,128,128,.12)"><pre style="margin:0;font:0.625rem/1.35 monospace;white-space:pre-wrap;'
+        f'overflow-wrap:anywhere">{html.escape(side.trace)}</pre></div>'
     )
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ido import Histogram, Maps, Scene, Scores, StopReason, Trajectory, perturb, score
-from ido.registration import Watch
 from ido.runs import chosen_iterations
 from ido.types import FloatArray
+from ido_viz.background import Report
 from ido_viz.library import Library, Subject
 from ido_viz.state import State
 
@@ -23,13 +25,15 @@ class MethodRun:
 
     Args:
         method: its name.
-        maps: what it walks; None for a baseline.
-        histogram: what its poses are seen through: its own, for a baseline the shape's first.
+        maps: what it walks; None for a method that learns nothing.
+        histogram: what its poses are seen through: its own, else the shape's first.
         trajectory: all poses.
         T_model_scene: the same as matrices, shape (n + 1, 4, 4).
         scores: of every pose, each of shape (n + 1,).
         distances: of the histogram from the reference line at every pose, see `distances`; shape (n + 1,).
+        settings: all of the method's, plain values.
         waiting: why there is nothing but the start yet; empty once there is.
+        trace: where it failed, if it did.
     """
 
     method: str
@@ -39,7 +43,9 @@ class MethodRun:
     T_model_scene: FloatArray
     scores: Scores
     distances: FloatArray
+    settings: Mapping[str, object] = field(default_factory=dict)
     waiting: str = ""
+    trace: str = ""
 
     def clipped(self, iteration: int) -> int:
         """The iteration, no further than this method got."""
@@ -78,13 +84,14 @@ def norms(side: MethodRun) -> FloatArray:
 
 
 def distances(histogram: Histogram, scene: Scene, trajectory: Trajectory) -> FloatArray:
-    """‖h(x) - h_ref‖ / ‖h_ref‖ at every pose of a trajectory, shape (n + 1,).
+    """‖h(x) - h_ref‖ / ‖h_ref‖ at every pose of a trajectory, shape (n + 1,); undivided where h_ref is zero.
 
     Of a long one, measured at `MOST_DISTANCES` iterations, the first ones one by one, and in between as on a line.
     """
     measured = chosen_iterations(trajectory.iterations, MOST_DISTANCES)
     seen = np.stack([histogram(scene.points, x) for x in trajectory.x[measured]])
-    away = np.linalg.norm(seen - histogram.reference, axis=1) / np.linalg.norm(histogram.reference)
+    length = float(np.linalg.norm(histogram.reference))
+    away = np.linalg.norm(seen - histogram.reference, axis=1) / (length if length > 0 else 1.0)
     return np.interp(np.arange(trajectory.iterations + 1), measured, away)
 
 
@@ -104,34 +111,52 @@ def compute(state: State, library: Library) -> Run:
     return Run(library.subject(state.shape), scene, (left, right))
 
 
+def warm_up(state: State, library: Library) -> None:
+    """Load and compile what the page of a state needs first, but run nothing of the user's own."""
+    scene = make_scene(state, library)
+    for name in (state.left, state.right):
+        if library.quick(state.shape, name):
+            register_side(state, library, name, scene)
+        else:
+            waiting_side(state, library, name, scene, "")
+
+
 def make_scene(state: State, library: Library) -> Scene:
     """The scene of a state."""
     return perturb(library.subject(state.shape).cloud(), state.perturbation)
 
 
-def register_side(state: State, library: Library, name: str, scene: Scene, *, watch: Watch | None = None) -> MethodRun:
+def register_side(state: State, library: Library, name: str, scene: Scene, *, watch: Report | None = None) -> MethodRun:
     """One method's registration of a scene.
 
     Raises:
         StateError: the shape is unknown, or the method is not available for it.
+        BaseException: what a method of the user's own raised, and what `watch` raises.
     """
-    return _side(state, library, name, scene, library.method(state, name).register(scene.points, watch=watch))
+    method = library.method(state, name, watch)
+    trajectory = method.register(scene.points, watch=watch)
+    histogram = library.first_histogram(state.shape) if method.histogram is None else method.histogram
+    return _side(name, scene, trajectory, histogram, maps=method.maps, settings=method.settings)
 
 
 def waiting_side(state: State, library: Library, name: str, scene: Scene, waiting: str) -> MethodRun:
     """What is shown of a method as long as its registration is not there: the scene where it lies."""
     start = Trajectory(np.zeros((1, 6)), np.zeros(0), StopReason.MAX_ITERATIONS, np.nan)
-    return _side(state, library, name, scene, start, waiting)
+    return _side(name, scene, start, library.first_histogram(state.shape), waiting=waiting)
 
 
-def _side(
-    state: State, library: Library, name: str, scene: Scene, trajectory: Trajectory, waiting: str = ""
-) -> MethodRun:
-    method = library.method(state, name)
-    histogram = library.first_histogram(state.shape) if method.maps is None else method.maps.histogram
+def _side(name: str, scene: Scene, trajectory: Trajectory, histogram: Histogram, **rest: Any) -> MethodRun:
     poses = trajectory.T_model_scene
     away = distances(histogram, scene, trajectory)
-    return MethodRun(name, method.maps, histogram, trajectory, poses, score(scene, poses), away, waiting)
+    return MethodRun(
+        method=name,
+        histogram=histogram,
+        trajectory=trajectory,
+        T_model_scene=poses,
+        scores=score(scene, poses),
+        distances=away,
+        **{"maps": None, **rest},
+    )
 
 
 def bin_order(histogram: Histogram, order: str, contribution: FloatArray | None = None) -> np.ndarray:

@@ -1,4 +1,7 @@
-"""What a page offers for download equals what it shows: the run, its curves, and an animation that needs no network."""
+"""What a page offers for download equals what it shows: the run, its curves, an animation that needs no network.
+
+The animation for slides and the charts have tests of their own.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ import csv
 import io
 import json
 import re
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from html.parser import HTMLParser
@@ -20,6 +24,7 @@ import numpy as np
 import pytest
 import viser
 import zstandard
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from ido import Perturbation, poses
@@ -29,7 +34,7 @@ from ido_viz import animation
 from ido_viz.animation import MOST_FRAMES, animation_html
 from ido_viz.export import COLUMNS, EXPORTS, ExportFolder, Shown, curves_csv, file_name, recorded, run_npz
 from ido_viz.library import shipped_library
-from ido_viz.run import Run, compute, make_scene, norms, waiting_side
+from ido_viz.run import Run, compute, make_scene, norms, register_side, waiting_side
 from ido_viz.state import State, decode
 
 LIBRARY = shipped_library()
@@ -79,7 +84,7 @@ def test_the_downloaded_run_equals_the_run_shown(run: Run, state: State, tmp_pat
 def test_the_settings_of_every_baseline_can_be_recorded(run: Run):
     for name in BASELINES:
         state = replace(State(perturbation=SMALL), left=name, right=name)
-        side = waiting_side(state, LIBRARY, name, run.scene, "")
+        side = register_side(state, LIBRARY, name, run.scene)
         one = recorded(Run(run.subject, run.scene, (side, side)), state).methods[0]
         assert one.settings == LIBRARY.method(state, name).settings
 
@@ -105,6 +110,7 @@ def test_the_curves_are_those_of_the_scores(run: Run):
             "rotation error (degrees)": scores.rotation,
             "translation error": scores.translation,
             "update norm": norms(side),
+            "histogram distance": side.distances,
         }.items():
             np.testing.assert_array_equal([float(row[name] or "nan") for row in own], values)
     assert len(rows) == sum(side.trajectory.iterations + 1 for side in run.sides)
@@ -287,12 +293,15 @@ def test_each_button_sends_its_file(run: Run, state: State):
     page = Page(lambda: (run, state))
     for button in page.buttons:
         button.click()
-    assert [button.label for button in page.buttons] == ["Run (.npz)", "Curves (.csv)", "Animation (.html)"]
-    assert list(page.files) == ["ido-bunny-3.npz", "ido-bunny-3.csv", "ido-bunny-3.html"]
-    npz, curves, html = page.files.values()
+    endings = [".npz", ".csv", ".html", ".gif", ".zip"]
+    assert [button.label.split()[-1].strip("()") for button in page.buttons] == endings
+    assert list(page.files) == [f"ido-bunny-3{ending}" for ending in endings]
+    npz, curves, html, gif, charts = page.files.values()
     assert json.loads(str(np.load(io.BytesIO(npz))["header"]))["format"] == "ido-run-1"
     assert curves.decode() == curves_csv(run)
     assert Recording.of(html.decode()).seconds > 3
+    assert getattr(Image.open(io.BytesIO(gif)), "n_frames", 1) == run.iterations + 1
+    assert {"curves.svg", "README.txt"} <= set(zipfile.ZipFile(io.BytesIO(charts)).namelist())
     assert page.notes == []
     assert not any(button.disabled for button in page.buttons)
 

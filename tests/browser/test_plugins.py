@@ -1,0 +1,101 @@
+"""A method of the user's own in a real page, and a broken one beside it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import SMALL
+from explorer import Explorer
+from playwright.sync_api import Browser, ViewportSize
+
+from ido import Cloud
+from ido.own import find_class
+from ido.types import FloatArray
+from ido_viz.app import App
+from ido_viz.library import Library, shipped_library
+from ido_viz.run import compute
+from ido_viz.state import State
+
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+PERSONAL = "Point to plane"
+
+
+class Broken:
+    """Makes two steps, then fails with a message that would be a picture if it were HTML."""
+
+    def __init__(self, cloud: Cloud) -> None:
+        pass
+
+    def update(self, points: FloatArray, x: FloatArray, /) -> FloatArray:
+        if x[0] > 0.15:
+            raise RuntimeError("<img src=x> is no step")
+        return np.full(6, 0.1)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Library:
+    """With the README's own method, and a broken one."""
+    (text,) = (text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "class PointToPlane" in text)
+    file = tmp_path_factory.mktemp("own") / "readme_module.py"
+    file.write_text(text, encoding="utf-8")
+    return shipped_library().with_methods({PERSONAL: find_class(f"{file}:PointToPlane"), "Broken": Broken})
+
+
+@pytest.fixture
+def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], Explorer]]:
+    opened: list[Explorer] = []
+
+    def open_page(state: State) -> Explorer:
+        page = browser.new_page(viewport=ViewportSize(width=SMALL[0], height=SMALL[1]))
+        opened.append(Explorer(App(state, library=library, port=0), page))
+        return opened[-1].open()
+
+    yield open_page
+    for explorer in opened:
+        explorer.page.close()
+        explorer.app.stop()
+    assert [error for explorer in opened for error in explorer.errors] == []
+
+
+def test_an_own_method_is_shown_stepped_and_follows_the_scene(open_own: Callable[[State], Explorer], library: Library):
+    explorer = open_own(State(left=PERSONAL, playing=False, iteration=0))
+
+    def agrees() -> bool:
+        side, k = compute(explorer.state(), library).sides[0], explorer.iteration()
+        numbers = {row: cells[0] for row, cells in explorer.numbers().items()}
+        n = side.trajectory.iterations
+        shown = (numbers["Iteration"], numbers["PointRMSE"], numbers["Rotation error"])
+        return shown == (f"{k} / {n}", f"{side.scores.rmse[k]:.4f}", f"{side.scores.rotation[k]:.2f}°")
+
+    explorer.wait_until("the method", agrees)
+    assert PERSONAL in explorer.options("Right pane")
+    for k in (1, 2):
+        explorer.press("Next (N)")
+        explorer.wait_until("the next iteration", lambda k=k: explorer.iteration() == k and agrees())
+    explorer.drag("Rotation", 0.2)
+    explorer.wait_until("the new scene", agrees)
+    assert explorer.chart_ink(0) > 0
+
+
+def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(open_own: Callable[[State], Explorer]):
+    explorer = open_own(State(left="Broken", playing=False, iteration=0))
+    trace = explorer.page.locator(".trace")
+    trace.wait_for()
+    text = trace.inner_text()
+    assert text.startswith("Traceback (most recent call last)")
+    assert "test_plugins.py" in text and "RuntimeError: <img src=x> is no step" in text
+    assert trace.locator("img").count() == 0
+    assert explorer.numbers()["Stops"][0] == "failed: RuntimeError: <img src=x> is no step"
+    assert trace.evaluate("box => box.scrollWidth <= box.clientWidth && box.clientHeight < 300")
+    explorer.expect_alive()
+    rotation = explorer.drag("Rotation", 0.1)
+    explorer.wait_until("the other scene", lambda: explorer.numbers()["Rotation error"][0] == f"{rotation:.2f}°")
+    assert trace.count() == 1
+    assert int(explorer.numbers()["Iteration"][1].split("/")[1]) > 10
+    assert explorer.notifications() == []
+    explorer.choose("Left pane", PERSONAL)
+    explorer.wait_until("no traceback", lambda: trace.count() == 0 and PERSONAL in explorer.methods())
