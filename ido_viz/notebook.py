@@ -12,6 +12,7 @@ from ido import Cloud, Maps, Perturbation
 from ido_viz.app import App
 from ido_viz.lessons import lesson as lesson_of
 from ido_viz.library import Library, Subject, shipped_library
+from ido_viz.plugins import OwnClass
 from ido_viz.state import State, StateError, decode
 
 OWN = "own cloud"
@@ -56,6 +57,7 @@ def show(
     lesson: str | None = None,
     cloud: Cloud | None = None,
     maps: Mapping[str, Maps] | None = None,
+    methods: Mapping[str, OwnClass] | None = None,
     height: int = 760,
     port: int = 0,
     **values: Any,
@@ -69,6 +71,8 @@ def show(
         lesson: name of the lesson to begin with, instead.
         cloud: a cloud of your own to register, besides the shipped ones; needs maps.
         maps: the methods that register it, by the name that each is to have; the first two are shown.
+        methods: methods and features of your own, as classes by the name that each is to have, on every shape; the
+            first is shown. See `ido.own`.
         height: of the frame, pixels.
         port: to listen on; any free one by default.
         values: of the page, as the fields of `ido_viz.state.State` and of `ido.Perturbation` name them:
@@ -87,6 +91,9 @@ def show(
         own = Subject(OWN, lambda: cloud, {name: partial(_itself, its) for name, its in maps.items()})
         library = Library({**library.subjects, OWN: own})
         state = library.at_shape(state, OWN)
+    if methods:
+        library = library.with_methods(methods)
+        state = replace(state, left=next(iter(methods)))
     state = _with_values(library, state, values)
     return Page(App(library.checked(state), library=library, port=port), height)
 

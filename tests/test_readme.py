@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 import shlex
 import sys
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import tyro
 
+import ido_viz
 from ido import cli, score
 from ido_viz.__main__ import Options, start
 from ido_viz.export import run_npz
@@ -92,3 +95,20 @@ def test_maps_of_the_own_feature_are_trained_and_explored(my_module: Path):
     method = library.method(state, "mine")
     assert method.maps is not None and method.maps.maps.shape == (2, 6, 2 * 514)
     assert np.isfinite(method.register(make_scene(state, library).points[:50]).x).all()
+
+
+def test_the_example_for_a_notebook_shows_a_page(monkeypatch: pytest.MonkeyPatch):
+    pages: list[ido_viz.Page] = []
+    real = ido_viz.show
+
+    def show(**arguments: Any) -> ido_viz.Page:
+        pages.append(real(**arguments))
+        return pages[-1]
+
+    monkeypatch.setattr(ido_viz, "show", show)
+    run(example("ido_viz.show("))
+    (page,) = pages
+    try:
+        assert urllib.request.urlopen(page.url, timeout=10).status == 200
+    finally:
+        page.stop()

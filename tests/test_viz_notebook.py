@@ -5,6 +5,7 @@ from __future__ import annotations
 import urllib.request
 from typing import Any
 
+import numpy as np
 import pytest
 
 import ido_viz
@@ -51,6 +52,26 @@ def test_an_own_cloud_is_registered_by_own_maps(bunny: Cloud, small_maps: Maps):
         page.stop()
 
 
+class Still:
+    """A method that leaves the scene where it is."""
+
+    def __init__(self, cloud: Cloud) -> None:
+        pass
+
+    def update(self, points: np.ndarray, x: np.ndarray) -> np.ndarray:
+        return np.zeros(6)
+
+
+def test_an_own_method_stands_on_every_shape_and_is_shown(bunny: Cloud, small_maps: Maps):
+    page = ido_viz.show(methods={"Still": Still, "Still too": Still}, cloud=bunny, maps={"A": small_maps})
+    try:
+        assert state_of(page).left == "Still"
+        for shape in ("bunny", "urban", "own cloud"):
+            assert "Still too" in page._app._library.methods(shape)
+    finally:
+        page.stop()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -66,6 +87,7 @@ def test_an_own_cloud_is_registered_by_own_maps(bunny: Cloud, small_maps: Maps):
         ({"lesson": "none such"}, "unknown lesson"),
         ({"code": encode(State()), "lesson": "histogram"}, "not both"),
         ({"maps": {"A": None}}, "together"),
+        ({"methods": {"DO": Still}}, "called 'DO' already"),
     ],
 )
 def test_what_cannot_be_used_is_said_and_nothing_is_started(arguments: dict[str, Any], message: str):
