@@ -15,6 +15,9 @@ from ido_viz.charts import caption, method_span
 from ido_viz.microscope import Inspection, answers, asked
 from ido_viz.state import NO_POINT, Coloring, Pane, Question, State
 
+NO_BIN = "choose one"
+"""Stands first in the list of bins, so that the strongest one can be chosen, too."""
+
 Change = Callable[[dict[str, Any]], None]
 """Called with the fields of the state that a person changed."""
 
@@ -64,8 +67,8 @@ class InspectPanel:
             handle.on_update(lambda event, name=name: change({name: event.target.value}) if event.client else None)
         self._bins: Any = gui.add_dropdown(
             "Strongest bins",
-            ("–",),
-            initial_value="–",
+            (NO_BIN,),
+            initial_value=NO_BIN,
             hint="Choose one to look into its model point. With the model's colours towards the truth, these are the "
             "bins that lead astray most.",
         )
@@ -73,7 +76,7 @@ class InspectPanel:
         self._tables = gui.add_html("")
 
     def _choose(self, text: str, change: Change) -> None:
-        if text != "–":
+        if text != NO_BIN:
             change({"inspected": int(text.split()[0])})
 
     def draw(self, inspection: Inspection | None, state: State) -> None:
@@ -82,14 +85,14 @@ class InspectPanel:
             if handle.value != getattr(state, name):
                 handle.value = getattr(state, name)
         if inspection is None:
-            content, bins = caption("This method has no histogram and no maps to look into."), ("–",)
+            content, bins = caption("This method has no histogram and no maps to look into."), ()
         else:
             content = tables_html(inspection, state)
             bins = tuple(bin_label(inspection, int(number)) for number in inspection.strongest)
         if self._tables.content != content:
             self._tables.content = content
-        if self._bins.options != bins and not state.playing:  # a list that is in use must not change
-            self._bins.options = bins
+        if self._bins.options != (NO_BIN, *bins) and not state.playing:  # a list that is in use must not change
+            self._bins.options = (NO_BIN, *bins)
 
 
 def bin_label(inspection: Inspection, number: int) -> str:

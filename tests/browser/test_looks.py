@@ -141,12 +141,12 @@ def test_heatmaps_follow_the_iteration_until_one_is_pinned(at_the_start: Explore
 def test_every_tab_of_the_charts_shows_something(at_the_start: Explorer):
     explorer = at_the_start
     explorer.open_tab("Errors")
-    explorer.wait_until("histograms and error curves", lambda: explorer.charts().count() == 2 + 3)
-    for number in range(5):
+    explorer.wait_until("histograms and error curves", lambda: explorer.charts().count() == 2 + 4)
+    for number in range(6):
         explorer.wait_until(f"chart {number} drawn", lambda number=number: explorer.chart_ink(number) > 300)
-    before = [explorer.chart_picture(number) for number in range(2, 5)]
+    before = [explorer.chart_picture(number) for number in range(2, 6)]
     explorer.press("Last")
-    for number, picture in zip(range(2, 5), before, strict=True):
+    for number, picture in zip(range(2, 6), before, strict=True):
         explorer.wait_until(
             "the mark elsewhere", lambda number=number, picture=picture: explorer.chart_picture(number) != picture
         )
