@@ -16,6 +16,7 @@ from ido_viz.run import MethodRun, Run, bin_order, norms
 from ido_viz.state import LONGEST_RUN, State
 
 _LARGER_TEXT_TAKES = 22  # pixels of a chart's height, so that both charts stay in sight
+_MOST_POWERS = 4  # of ten, that are all marked along an axis
 _TOP = 1.8  # of the histograms' y axis; the reference line of each block peaks at 1
 
 
@@ -280,9 +281,10 @@ def plain_axes(state: State, powers: tuple[int, int] | None = None) -> list[Any]
     axis["font"] = axis_font(state)
     marks: dict[str, Any] = {}
     if powers:
-        marks["splits"] = [float(power) for power in range(powers[0], powers[1] + 1)]
-        marks["values"] = [f"{10.0**power:g}" for power in range(powers[0], powers[1] + 1)]
-    return [{**axis, "size": 24}, {**axis, **marks, "size": 60}]
+        marked = range(powers[0], powers[1] + 1, 1 if powers[1] - powers[0] <= _MOST_POWERS else 2)
+        marks["splits"] = [float(power) for power in marked]
+        marks["values"] = [f"{10.0**power:g}" for power in marked]
+    return [{**axis, "size": 30 if state.large_text else 24}, {**axis, **marks, "size": 60}]
 
 
 def caption(content: str) -> str:

@@ -22,7 +22,9 @@ from ido_viz.training import TrainingCharts
 CONTROLS_WIDTH = 300
 CHARTS_WIDTH = 400
 LARGE_TEXT = 1.25
-"""How much larger text is for a projector, and the panels with it."""
+"""How much larger text is for a projector."""
+
+_WIDER = 1.14  # panels are then, less than the text, for the canvas needs its room
 
 _HELP = """
 **Two methods register the same scene**, side by side. The scene is a copy of the grey *model* that was turned, moved,
@@ -104,7 +106,8 @@ class Panels:
         self._placed = (*shown, state.large_text)
         scale = LARGE_TEXT if state.large_text else 1.0
         self._style.content = f"<style>html{{font-size:{100 * scale:g}%}}</style>"
-        self._gui.main_panel.set_width(round(CONTROLS_WIDTH * scale))
+        wider = _WIDER if state.large_text else 1.0
+        self._gui.main_panel.set_width(round(CONTROLS_WIDTH * wider))
         above = None
         for panel, visible in zip((self._top, self._bottom), shown, strict=True):
             panel.visible = visible
@@ -112,7 +115,7 @@ class Panels:
                 continue
             if above is None:  # a panel that was hidden has lost its place
                 panel.dock_right()
-                panel.set_width(round(CHARTS_WIDTH * scale))
+                panel.set_width(round(CHARTS_WIDTH * wider))
             else:
                 panel.dock_below(above)
             above = panel
