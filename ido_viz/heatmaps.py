@@ -38,7 +38,7 @@ class Heatmap:
         """Draw the map that makes the next update, or the pinned one, with the picked bins marked."""
         side = run.sides[self._side]
         if side.maps is None:
-            self._show((side.method,), no_maps(side, self._side))
+            self._show((side.method, bool(side.waiting)), no_maps(side, self._side))
             return
         following = state.pinned_map == 0
         number = side.map_number(iteration) if following else min(state.pinned_map, len(side.maps.maps))
@@ -68,7 +68,8 @@ class ComparedMaps:
 
     def draw(self, run: Run, state: State) -> None:
         """Draw the compared maps of the shown methods."""
-        look = (*((side.method, id(side.maps)) for side in run.sides), state.order, state.inspected)
+        of_sides = ((side.method, id(side.maps), bool(side.waiting)) for side in run.sides)
+        look = (*of_sides, state.order, state.inspected)
         if look == self._drawn:
             return
         self._drawn = look
@@ -85,8 +86,9 @@ class ComparedMaps:
 
 
 def no_maps(side: MethodRun, number: int) -> str:
-    """What stands in the place of the maps of a baseline, as HTML."""
-    return caption(f"<b>{method_span(side.method, number)}</b> learns no maps")
+    """What stands in the place of the maps of a baseline, or of a method that is not there yet, as HTML."""
+    why = "has no maps yet" if side.waiting else "learns no maps"
+    return caption(f"<b>{method_span(side.method, number)}</b> {why}")
 
 
 def heatmap_html(maps: Maps, number: int, order: np.ndarray, title: str, marked: int = NO_POINT) -> str:
