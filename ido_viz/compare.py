@@ -13,7 +13,7 @@ import viser
 
 from ido import Method, Scene, score
 from ido.registration import Watch
-from ido_viz.background import CancelledError, Job
+from ido_viz.background import CancelledError, Job, Report
 from ido_viz.library import Library
 from ido_viz.run import make_scene
 from ido_viz.state import State
@@ -77,22 +77,21 @@ class Comparison:
         self.cancel()
         self._of, self.methods = _inputs(state), self._library.methods(state.shape)
         self._rows = rows = []  # of this comparison alone; one that is still ending has its own
-        self._job = Job(lambda watch: self._fill(state, rows, watch), self._changed)
+        self._job = Job(lambda report: self._fill(state, rows, report), self._changed)
 
     def cancel(self) -> None:
         """Leave it at the rows that are there."""
         if self._job is not None:
             self._job.cancel()
 
-    def _fill(self, state: State, rows: list[Row], watch: Watch) -> None:
+    def _fill(self, state: State, rows: list[Row], report: Report) -> None:
         scene = make_scene(state, self._library)
         for name in self._library.methods(state.shape):
-            method = self._library.method(state, name)
             try:
-                rows.append(measured(method, scene, watch))
+                rows.append(measured(self._library.method(state, name, report), scene, report))
             except CancelledError:
                 raise
-            except Exception as error:  # the others are still of interest
+            except BaseException as error:  # the others are still of interest; one of one's own may call sys.exit
                 _log.exception("%s failed", name)
                 rows.append(Row(name, 0.0, np.inf, np.inf, 0, failure=type(error).__name__))
             self._changed()
@@ -180,7 +179,7 @@ class ComparePanel:
 
 def label(row: Row) -> str:
     """A row in columns of fixed width."""
-    name = row.method.replace("reconstruction", "reconstr.")
+    name = row.method.replace("reconstruction", "reconstr.")[:26]
     if row.failure:
         return f"{name:<26}{('✗ ' + row.failure)[:24]:>24}"
     return f"{name:<26}{row.accuracy:6.3f}{row.rmse:7.3f}{1e3 * row.seconds:6.0f}{row.iterations:5d}"

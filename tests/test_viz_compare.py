@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -10,12 +11,12 @@ import numpy as np
 import pytest
 from tab import PATIENCE, PAUSED
 
-from ido import StopReason
+from ido import Cloud, StopReason
 from ido.baselines import Nothing
 from ido.baselines.baseline import Record
 from ido.methods import BASELINES
 from ido.types import DoubleArray
-from ido_viz.compare import SORTS, Comparison, Row, head_html, label
+from ido_viz.compare import COLUMNS, SORTS, Comparison, Row, head_html, label
 from ido_viz.library import shipped_library
 from ido_viz.run import compute
 from ido_viz.state import State
@@ -123,3 +124,27 @@ def test_the_head_says_what_the_rows_are_of() -> None:
     assert "scene has changed" in head_html(14, 14, False, False)
     assert "scene has changed" not in head_html(14, 14, False, True)
     assert "3 of 14" in head_html(3, 14, True, True)
+
+
+class Unmakeable:
+    """A method of one's own that cannot be made."""
+
+    def __init__(self, cloud: Cloud) -> None:
+        raise SystemExit("not today")
+
+    def update(self, points: np.ndarray, x: np.ndarray) -> np.ndarray:
+        return np.zeros(6)
+
+
+def test_a_method_of_ones_own_that_cannot_be_made_gets_a_row_and_the_others_theirs() -> None:
+    library = shipped_library().with_methods({"Unmakeable, with a name that is too long": Unmakeable})
+    comparison = Comparison(library, lambda: None)
+    comparison.begin(PAUSED)
+    deadline = time.monotonic() + PATIENCE
+    while comparison.running:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert [row.method for row in comparison.rows] == list(library.methods("bunny"))
+    failed = [row for row in comparison.rows if row.failure]
+    assert [row.failure for row in failed] == ["SystemExit"]
+    assert {len(label(row)) for row in comparison.rows} == {len(COLUMNS)}
