@@ -76,7 +76,7 @@ class HistogramChart:
         order = bin_order(side.histogram, state.order, None if inspection is None else inspection.values)
         data = histogram_data(side, state, order, seen, also)
         look = (id(side.histogram), side.method, state.order, state.difference, state.dark, state.large_text)
-        look += (also is None, state.overlay, bool(side.waiting))
+        look += (also is None, state.overlay)
         if look == self._look:
             self._plot.draw(data)
             return
@@ -84,9 +84,8 @@ class HistogramChart:
         self._plot.height = self._height - (_LARGER_TEXT_TAKES if state.large_text else 0)
         self._plot.restyle(data, *_histogram_style(side, state))
         what = "minus the reference line" if state.difference else "against the reference line"
-        none = "has no histogram yet" if side.waiting else "has no histogram"
-        whose = "histogram" if side.maps else f"{none}; a learned method would see this,"
-        self._caption.content = caption(f"<b>{method_span(side.method, self._side)}</b> {whose} {what}")
+        seen_by = "histogram" if side.maps else f"as {html.escape(side.histogram.name)} sees it,"
+        self._caption.content = caption(f"<b>{method_span(side.method, self._side)}</b> {seen_by} {what}")
 
 
 def histogram_data(
