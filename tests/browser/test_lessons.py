@@ -7,6 +7,7 @@ from dataclasses import replace
 from explorer import Explorer
 
 from ido_viz.lessons import lesson
+from ido_viz.state import State
 
 
 def test_a_lesson_is_walked_left_and_taken_up_again(explorer: Explorer):
@@ -58,5 +59,5 @@ def at_rest(explorer: Explorer) -> object:
     return at_its_end(explorer.state()) if not explorer.is_playing() else None
 
 
-def at_its_end(state):  # type: ignore[no-untyped-def]
+def at_its_end(state: State) -> State:
     return replace(state, iteration=0, playing=False)
