@@ -5,14 +5,24 @@ pose, training that turns many scenes into maps, registration that walks the map
 compared with, or that are your own.
 """
 
+from ido.blocks import Block, Question, Surface
 from ido.clouds import Cloud, CloudError, Model, load_cloud
-from ido.histograms import HISTOGRAMS, AsPrinted, FrontBack, Histogram, SceneBatch, TripleBinary
+from ido.extensions import LearnedMethod, OwnError, OwnMethod, UpdateMethod, register_updates
+from ido.histograms import (
+    HISTOGRAMS,
+    AsPrinted,
+    BlockHistogram,
+    FrontBack,
+    Histogram,
+    QuadrupleBinary,
+    SceneBatch,
+    TripleBinary,
+)
 from ido.maps import Maps, MapsError, TrainingCurves, TrainingSettings
 from ido.methods import Method, method_names, shipped_method
-from ido.own import LearnedMethod, OwnError, OwnMethod, UpdateMethod, register_updates
 from ido.perturbation import RANGES, Perturbation, Scene, perturb
+from ido.recording import RecordedMethod, RecordedRun, RunError, load_run
 from ido.registration import StopReason, Trajectory, register, register_batch
-from ido.runs import RecordedMethod, RecordedRun, RunError, load_run
 from ido.scores import Scores, score
 from ido.shipped import SHAPES, shipped_cloud, shipped_maps, shipped_results
 from ido.training import train
@@ -22,6 +32,8 @@ __all__ = [
     "RANGES",
     "SHAPES",
     "AsPrinted",
+    "Block",
+    "BlockHistogram",
     "Cloud",
     "CloudError",
     "FrontBack",
@@ -34,6 +46,8 @@ __all__ = [
     "OwnError",
     "OwnMethod",
     "Perturbation",
+    "QuadrupleBinary",
+    "Question",
     "RecordedMethod",
     "RecordedRun",
     "RunError",
@@ -41,6 +55,7 @@ __all__ = [
     "SceneBatch",
     "Scores",
     "StopReason",
+    "Surface",
     "TrainingCurves",
     "TrainingSettings",
     "Trajectory",

@@ -10,14 +10,14 @@ from tyro.conf import Positional, arg
 from tyro.constructors import PrimitiveConstructorSpec
 
 from ido.clouds import Orientation, load_cloud
+from ido.extensions import OwnError, histogram_class
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps
-from ido.own import OwnError, histogram_class
 from ido.perturbation import OutlierKind
-from ido.shipped import SHAPES, shipped_cloud, shipped_maps
+from ido.shipped import SHAPES, shipped_cloud, shipped_histograms, shipped_maps
 from ido.types import FloatArray
 
-SHIPPED_MAPS = [f"{shape}-{histogram}" for shape, its in SHAPES.items() for histogram in its.histograms]
+SHIPPED_MAPS = [f"{shape}-{histogram}" for shape in SHAPES for histogram in shipped_histograms(shape)]
 """Names of the maps that ship with the program."""
 
 MAPS_HELP = f"made by `ido train`, or shipped ones by name: {', '.join(SHIPPED_MAPS)}."

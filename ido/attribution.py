@@ -68,4 +68,4 @@ def strongest(values: FloatArray, count: int) -> np.ndarray:
 def bin_name(histogram: Histogram, number: int) -> tuple[str, int]:
     """The side that a bin belongs to, as ``front``, and the number of its model point."""
     side, point = divmod(int(number), len(histogram.model.points))
-    return [name for block in histogram.blocks for name in block][side], point
+    return histogram.side_names[side], point

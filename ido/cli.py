@@ -26,8 +26,8 @@ from ido.clouds import Cloud, Model, Orientation, save_cloud
 from ido.console import note, progress_bar
 from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.experiments.commands import app as experiments
+from ido.extensions import histogram_class
 from ido.maps import Maps, TrainingSettings
-from ido.own import histogram_class
 from ido.perturbation import OutlierKind, Perturbation
 from ido.poses import transform
 from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory

@@ -1,6 +1,7 @@
-"""Histograms: what a method sees of a scene at a pose (paper, "Original Discriminative Optimization" and "Improved").
+"""Histograms: what a method sees of a scene at a pose (docs/method.md, "Histograms").
 
-Each class holds the plain NumPy definition, `describe`, beside the compiled one that is used, `__call__` and `batch`.
+A histogram of the paper's kind is a list of blocks, each a question that all model points ask of the scene. It has a
+plain NumPy definition, `describe`, beside the compiled one that is used, `__call__` and `batch`.
 """
 
 from __future__ import annotations
@@ -11,18 +12,18 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from ido import kernels, poses
+from ido.blocks import Block, ClockwiseOrAnticlockwise, FrontOrBack, Question, UpOrDown
+from ido.blocks.near_far import NearOrFar
 from ido.clouds import Model
 from ido.types import FloatArray
 
-SIGMA2 = 0.03
-"""σ² of the Gaussian weight exp(-d²/σ²), in squared model units, as in the paper."""
-
 _SCENES_A_THREAD = 8
+_SCENES_AT_ONCE = 64  # whose moved points stay in the processor's cache from one block to the next
 
 Normalisation = Literal["unit-norm", "unit-sum"]
 
@@ -75,13 +76,15 @@ class SceneBatch:
 class Histogram(ABC):
     """A feature of a scene relative to a model. A new one needs a name, `blocks` and `describe`.
 
+    Where every bin is a sum over scene points, `BlockHistogram` does the describing: it needs a name and `blocks`.
+
     Args:
         model: the model that it is relative to.
     """
 
     name: ClassVar[str]
-    blocks: ClassVar[tuple[tuple[str, str], ...]]
-    """The two sides of each block; a block has 2 M bins, the first M for the first side."""
+    blocks: ClassVar[tuple[Block, ...]]
+    """Each has 2 M bins, the first M for its first side."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -100,17 +103,27 @@ class Histogram(ABC):
         return np.stack(rows) if rows else np.empty((0, self.n_bins), dtype=np.float32)
 
     @property
+    def side_names(self) -> tuple[str, ...]:
+        """Of all blocks, in the order of the bins, M for each."""
+        return tuple(side for block in self.blocks for side in block.sides)
+
+    @property
+    def questions(self) -> tuple[Question, ...]:
+        """The blocks that can be asked about a single pair of points."""
+        return tuple(block for block in self.blocks if isinstance(block, Question))
+
+    @property
     def n_bins(self) -> int:
         return 2 * len(self.blocks) * len(self.model.points)
 
     @cached_property
     def reference(self) -> FloatArray:
-        """The reference line: the histogram of the model against itself, shape (n_bins,)."""
+        """The reference line: the histogram of the model against itself, shape (n_bins,) (docs/method.md, Eq. 11)."""
         return self(self.model.points, np.zeros(6))
 
 
-class _Compiled(Histogram):
-    """What the two histograms of the paper share: the compiled path, bin weights and normalised blocks."""
+class BlockHistogram(Histogram):
+    """A histogram whose blocks all are questions: their sums, weighed, each block scaled (docs/method.md, Eq. 9)."""
 
     normalisation: ClassVar[Normalisation] = "unit-norm"
 
@@ -120,107 +133,88 @@ class _Compiled(Histogram):
         return np.ones((2 * len(self.blocks), len(self.model.points)), dtype=np.float32)
 
     @cached_property
-    def _boxed(self) -> kernels.BoxedModel:
-        return kernels.box_model(self.model.points, self.model.normals, SIGMA2)
+    def _layouts(self) -> tuple[Any, ...]:
+        return tuple(question.layout(self.model) for question in self.questions)
 
     def __call__(self, points: FloatArray, x: FloatArray) -> FloatArray:
         points = np.ascontiguousarray(points, dtype=np.float32)
-        x = np.ascontiguousarray(x, dtype=np.float64)
-        return kernels.histogram(points, x, self._boxed, self.weights, self.normalisation == "unit-norm")
+        out = np.empty((1, *self.weights.shape), dtype=np.float32)
+        self._fill(points, np.array([0, len(points)]), np.ascontiguousarray(x, dtype=np.float64)[None], out)
+        return out.reshape(-1)
 
     def batch(self, scenes: SceneBatch, x: FloatArray) -> FloatArray:
         x = np.ascontiguousarray(x, dtype=np.float64)
         out = np.empty((len(scenes), *self.weights.shape), dtype=np.float32)
-        unit_norm = self.normalisation == "unit-norm"
-        boxed, weights = self._boxed, self.weights
-
-        def fill(begin: int, end: int) -> None:
-            part = scenes.part(begin, end)
-            kernels.histograms(part.points, part.starts, x[begin:end], boxed, weights, unit_norm, out[begin:end])
-
         n_threads = min(os.cpu_count() or 1, -(-len(scenes) // _SCENES_A_THREAD))
+        step = min(max(_SCENES_A_THREAD, -(-len(scenes) // (4 * max(n_threads, 1)))), _SCENES_AT_ONCE)
+        begins = range(0, len(scenes), step)
+
+        def fill(begin: int) -> None:
+            part = scenes.part(begin, min(begin + step, len(scenes)))
+            end = begin + len(part)
+            self._fill(part.points, part.starts, x[begin:end], out[begin:end])
+
         if n_threads > 1:  # a pool for each call: a lasting one would not survive a fork
-            step = max(_SCENES_A_THREAD, -(-len(scenes) // (4 * n_threads)))
-            begins = range(0, len(scenes), step)
+            _ = self._layouts, self.weights  # made once, before the threads want them
             with ThreadPoolExecutor(n_threads) as pool:
-                list(pool.map(fill, begins, [min(begin + step, len(scenes)) for begin in begins]))
+                list(pool.map(fill, begins))
         else:
-            fill(0, len(scenes))
+            for begin in begins:
+                fill(begin)
         return out.reshape(len(scenes), -1)
 
+    def _fill(self, points: FloatArray, starts: np.ndarray, x: FloatArray, out: FloatArray) -> None:
+        """Write the histograms of scenes, moved by x (B, 6), to `out` (B, sides, M)."""
+        moved = kernels.move(points, starts, x)
+        for i, (question, layout) in enumerate(zip(self.questions, self._layouts, strict=True)):
+            question.count(layout, moved, starts, out, 2 * i)
+        kernels.scale_blocks(out, self.weights, self.normalisation == "unit-norm")
+
     def describe(self, moved: FloatArray) -> FloatArray:
-        sides = self.sides(np.asarray(moved, dtype=np.float64)) * self.weights
-        blocks = sides.reshape(len(self.blocks), -1)
+        blocks = (self.sides(np.asarray(moved, dtype=np.float64)) * self.weights).reshape(len(self.blocks), -1)
         size = np.linalg.norm(blocks, axis=1) if self.normalisation == "unit-norm" else blocks.sum(axis=1)
         return (blocks / np.where(size > 0, size, 1.0)[:, None]).reshape(-1)
 
-    @abstractmethod
     def sides(self, moved: FloatArray) -> FloatArray:
-        """The blocks before weighting and normalising, shape (sides, M)."""
+        """The blocks before weighing and scaling, of points (S, 3) in the model frame; shape (sides, M)."""
+        return np.concatenate([question.sums(self.model, moved) for question in self.questions])
 
 
-class FrontBack(_Compiled):
-    """DO: Σ w over the scene points in front of each model point, and over those behind it.
-
-    w = exp(-‖s - m_a‖² / σ²), or nothing where that is below 1e-6; s is in front when n_a · (s - m_a) > 0.
-    """
+class FrontBack(BlockHistogram):
+    """DO: how much of the scene lies in front of each model point, and how much behind it."""
 
     name = "front-back"
-    blocks = (("front", "back"),)
-
-    def sides(self, moved: FloatArray) -> FloatArray:
-        offset = moved[None] - self.model.points.astype(np.float64)[:, None]  # (M, S, 3)
-        weight = np.exp(-(offset**2).sum(axis=-1) / SIGMA2)
-        weight = np.where(weight > kernels.SMALLEST_WEIGHT, weight, 0.0)
-        in_front = (offset * self.model.normals.astype(np.float64)[:, None]).sum(axis=-1) > 0
-        return np.stack([(weight * in_front).sum(axis=1), (weight * ~in_front).sum(axis=1)])
+    blocks = (FrontOrBack(),)
 
 
-class TripleBinary(FrontBack):
-    """Improved DO: front / back, and how many scene points lie above / below and clockwise / anticlockwise.
-
-    Up: elevation θ_s > θ_a, θ = atan2(z, hypot(x, y)). Clockwise: azimuth ω_s > ω_a, ω = atan2(y, x).
-    """
+class TripleBinary(BlockHistogram):
+    """Improved DO: front / back, and how many scene points lie above / below and clockwise / anticlockwise."""
 
     name = "triple-binary"
-    blocks = (("front", "back"), ("up", "down"), ("clockwise", "anticlockwise"))
-
-    def sides(self, moved: FloatArray) -> FloatArray:
-        model = self.model.points.astype(np.float64)
-        counts = []
-        for angle in (elevation, azimuth):
-            greater = (angle(moved)[None] > angle(model)[:, None]).sum(axis=1)
-            counts += [greater, len(moved) - greater]
-        return np.concatenate([super().sides(moved), counts])
+    blocks = (FrontOrBack(), UpOrDown(), ClockwiseOrAnticlockwise())
 
 
 class AsPrinted(TripleBinary):
     """Improved DO with the paper's weights: α, β, γ on the first sides, 1-α, 1-β, 1-γ on the second ones.
 
-    α_a, β_a, γ_a are the shares of the model points in front of, above and clockwise of m_a.
+    α_a, β_a, γ_a are the shares of the model points in front of, above and clockwise of m_a (docs/method.md, Eq. 10).
     """
 
     name = "as-printed"
 
     @cached_property
     def weights(self) -> FloatArray:
-        model = self.model.points.astype(np.float64)
-        offset = model[None] - model[:, None]
-        in_front = (offset * self.model.normals.astype(np.float64)[:, None]).sum(axis=-1) > 0
-        shares = [in_front.mean(axis=1)]
-        shares += [(angle(model)[None] > angle(model)[:, None]).mean(axis=1) for angle in (elevation, azimuth)]
+        points, normals = self.model.points.astype(np.float64), self.model.normals.astype(np.float64)
+        shares = [question.answers(points, normals, points).mean(axis=1) for question in self.questions]
         return np.concatenate([[share, 1 - share] for share in shares]).astype(np.float32)
 
 
-def elevation(points: FloatArray) -> FloatArray:
-    """θ = atan2(z, hypot(x, y)) of points (S, 3), radians."""
-    return np.arctan2(points[:, 2], np.hypot(points[:, 0], points[:, 1]))
+class QuadrupleBinary(BlockHistogram):
+    """Improved DO with a question more, which is not the paper's: near / far."""
+
+    name = "quadruple-binary"
+    blocks = (*TripleBinary.blocks, NearOrFar())
 
 
-def azimuth(points: FloatArray) -> FloatArray:
-    """ω = atan2(y, x) of points (S, 3), radians in (-π, π]."""
-    return np.arctan2(points[:, 1], points[:, 0])
-
-
-HISTOGRAMS: dict[str, type[Histogram]] = {h.name: h for h in (FrontBack, TripleBinary, AsPrinted)}
+HISTOGRAMS: dict[str, type[Histogram]] = {h.name: h for h in (FrontBack, TripleBinary, AsPrinted, QuadrupleBinary)}
 """The histograms that a maps file may name."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import secrets
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ import numpy as np
 
 from ido.clouds import Frame, Model
 from ido.histograms import HISTOGRAMS, Histogram
+from ido.npz import packed, read_arrays, write_whole
 from ido.perturbation import OutlierKind
 from ido.types import FloatArray
 
@@ -107,7 +106,6 @@ class Maps:
 
     def save(self, path: str | Path) -> None:
         """Write to one .npz; a file that is already there is replaced only when the new one is whole."""
-        path = Path(path)
         header = {
             "format": FORMAT,
             "histogram": self.histogram.name,
@@ -124,14 +122,7 @@ class Maps:
             **{f"curves_{name}": values for name, values in asdict(self.curves).items()},
         }
         arrays["curves_residuals"] = self.curves.residuals.astype(np.float16)
-        temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-        try:
-            with temporary.open("xb") as file:
-                np.savez_compressed(file, allow_pickle=False, **arrays)
-            temporary.replace(path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
+        write_whole(path, packed(arrays))
 
     @classmethod
     def load(cls, path: str | Path, histograms: Mapping[str, type[Histogram]] = HISTOGRAMS) -> Maps:
@@ -144,22 +135,13 @@ class Maps:
         Raises:
             MapsError: missing, truncated, damaged or foreign file, or one whose parts do not fit together.
         """
-        path = Path(path)
-        if not path.is_file():
-            raise MapsError(f"{path}: no such file; make one with `ido train`")
-        if not zipfile.is_zipfile(path):
-            raise MapsError(f"{path.name}: not a maps file, or cut off; make one with `ido train`")
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                arrays = {name: file[name] for name in file.files}
-        except Exception as error:  # zlib, zipfile and NumPy each raise their own
-            raise MapsError(f"{path.name}: damaged ({error}); make it again with `ido train`") from error
+        arrays, name = read_arrays(path, MapsError, "a maps file", "make one with `ido train`"), Path(path).name
         try:
             return cls._of(arrays, histograms)
         except MapsError as error:
-            raise MapsError(f"{path.name}: {error}") from error
+            raise MapsError(f"{name}: {error}") from error
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-            raise MapsError(f"{path.name}: not a maps file of this program ({error})") from error
+            raise MapsError(f"{name}: not a maps file of this program ({error})") from error
 
     @classmethod
     def _of(cls, arrays: Mapping[str, np.ndarray], histograms: Mapping[str, type[Histogram]]) -> Maps:

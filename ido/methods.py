@@ -11,17 +11,18 @@ import numpy as np
 
 from ido.baselines import BCPD, CPD, ICP, KCCE, Baseline, GMMReg, Nothing
 from ido.clouds import Model
+from ido.extensions import LearnedMethod, OwnError, OwnMethod, UpdateMethod, checked_histogram, register_updates
 from ido.histograms import Histogram
 from ido.maps import Maps
-from ido.own import LearnedMethod, OwnError, OwnMethod, UpdateMethod, checked_histogram, register_updates
 from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory, Watch, register
-from ido.shipped import SHAPES, shipped_maps
+from ido.shipped import SHAPES, shipped_histograms, shipped_maps
 from ido.types import FloatArray
 
 LEARNED: dict[str, str] = {
     "DO": "front-back",
     "Improved DO": "triple-binary",
     "Improved DO (as printed)": "as-printed",
+    "Improved DO (near / far)": "quadruple-binary",
 }
 """Name of each learned method, and of the histogram that its maps are trained on."""
 
@@ -88,7 +89,7 @@ class Method:
         epsilon: float = EPSILON,
         max_iterations: int = MAX_ITERATIONS,
     ) -> Method:
-        """A method of one's own, by its maps or by its updates; see `ido.own`.
+        """A method of one's own, by its maps or by its updates; see `ido.extensions`.
 
         Args:
             name: as it is shown.
@@ -123,7 +124,7 @@ class Method:
 
 def method_names(shape: str) -> tuple[str, ...]:
     """The methods that can register a shipped shape, learned ones first."""
-    learned = (name for name, histogram in LEARNED.items() if histogram in SHAPES[shape].histograms)
+    learned = (name for name, histogram in LEARNED.items() if histogram in shipped_histograms(shape))
     return (*learned, *BASELINES)
 
 

@@ -39,15 +39,17 @@ class Range:
     """Highest value that `Perturbation` takes."""
     train: tuple[float, float]
     unit: str
+    stream: int
+    """Number of the random stream that it draws from. It decides every scene, so it must never change."""
 
 
 RANGES: dict[str, Range] = {
-    "noise": Range(0.0, 0.1, 1.0, (0.0, 0.05), "standard deviation, model units"),
-    "points": Range(100, 4000, 100_000, (400, 800), "points before removal"),
-    "outliers": Range(0, 600, 100_000, (0, 300), "points"),
-    "incomplete": Range(0.0, 0.7, 0.99, (0.0, 0.3), "share removed"),
-    "rotation": Range(0.0, 180.0, 180.0, (0.0, 90.0), "degrees"),
-    "translation": Range(0.0, 1.0, 10.0, (0.0, 0.3), "model units"),
+    "noise": Range(0.0, 0.1, 1.0, (0.0, 0.05), "standard deviation, model units", stream=0),
+    "points": Range(100, 4000, 100_000, (400, 800), "points before removal", stream=1),
+    "outliers": Range(0, 600, 100_000, (0, 300), "points", stream=2),
+    "incomplete": Range(0.0, 0.7, 0.99, (0.0, 0.3), "share removed", stream=3),
+    "rotation": Range(0.0, 180.0, 180.0, (0.0, 90.0), "degrees", stream=4),
+    "translation": Range(0.0, 1.0, 10.0, (0.0, 0.3), "model units", stream=5),
 }
 """The six kinds of perturbation, in the order of the paper."""
 
@@ -110,7 +112,7 @@ class Scene:
 
 
 def perturb(cloud: Cloud, perturbation: Perturbation) -> Scene:
-    """The scene that a perturbation makes of a cloud.
+    """The scene that a perturbation makes of a cloud (docs/method.md, Eq. 4).
 
     In this order: draw points with replacement, rotate and translate, add noise, remove one side of a plane, append
     outliers.
@@ -134,7 +136,7 @@ def perturb(cloud: Cloud, perturbation: Perturbation) -> Scene:
 
 
 def _stream(seed: int, kind: str) -> np.random.Generator:
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, list(RANGES).index(kind)])))
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, RANGES[kind].stream])))
 
 
 def _direction(rng: np.random.Generator) -> FloatArray:

@@ -81,20 +81,45 @@ def register(
         ValueError: coordinates are not finite.
     """
     points = finite(points)
-    here: DoubleArray = np.zeros(6) if x is None else np.asarray(x, dtype=np.float64)
+
+    def update(here: DoubleArray, done: int) -> FloatArray:
+        return -(maps.maps[min(done, len(maps.maps) - 1)] @ maps.histogram(points, here))
+
+    return iterate(
+        update, epsilon=epsilon, max_iterations=max_iterations, at_least=len(maps.maps), start=x, watch=watch
+    )
+
+
+def iterate(
+    update: Callable[[DoubleArray, int], FloatArray],
+    *,
+    epsilon: float,
+    max_iterations: int,
+    at_least: int = 0,
+    start: FloatArray | None = None,
+    watch: Watch | None = None,
+) -> Trajectory:
+    """Repeat x ← x + Δx until ‖Δx‖ < ε (docs/method.md, Eq. 13 and 16), and record every pose.
+
+    Args:
+        update: gives Δx (6,) at x (6,), after so many updates.
+        epsilon: an update shorter than this is not made any more.
+        max_iterations: so many updates at most.
+        at_least: so many updates are made however short they are.
+        start: the first x (6,); zeros unless given.
+        watch: called after each update with how many there were; what it raises ends the registration.
+    """
+    here: DoubleArray = np.zeros(6) if start is None else np.asarray(start, dtype=np.float64)
     track, norms = [here], []
     stop, last_norm = StopReason.MAX_ITERATIONS, np.nan
     while len(norms) < max_iterations:
-        k = min(len(norms), len(maps.maps) - 1)
-        update = maps.maps[k] @ maps.histogram(points, here)
-        norm = float(np.sqrt(update @ update))
-        if not norm < _LARGEST_UPDATE:
-            stop, last_norm = StopReason.DIVERGED, norm
+        step = update(here, len(norms))
+        norm = float(np.sqrt(step @ step))
+        diverged = not norm < _LARGEST_UPDATE
+        if diverged or (len(norms) >= at_least and norm < epsilon):
+            stop, last_norm = StopReason.DIVERGED if diverged else StopReason.CONVERGED, norm
             break
-        if len(norms) >= len(maps.maps) and norm < epsilon:
-            stop, last_norm = StopReason.CONVERGED, norm
-            break
-        here = here - update
+        here = here + step
         track.append(here)
         norms.append(norm)
         if watch:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
+from ido.npz import packed, read_arrays, write_whole
 from ido.types import FloatArray
 
 _TEXT = ("dataset", "method", "sweep", "stop")
@@ -63,7 +64,7 @@ class Results:
         return Results(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
     def save(self, path: str | Path) -> None:
-        """Write a compressed .npz, without pickles; scores and times are rounded to float32."""
+        """Write a compressed .npz, whole or not at all; scores and times are rounded to float32."""
         arrays: dict[str, np.ndarray] = {}
         for field in fields(self):
             column = getattr(self, field.name)
@@ -72,7 +73,7 @@ class Results:
                 arrays[f"{field.name}_names"], arrays[field.name] = names.astype(str), codes.astype(np.uint16)
             else:
                 arrays[field.name] = column.astype(_EXACT.get(field.name, np.float32))
-        np.savez_compressed(Path(path), allow_pickle=False, **arrays)
+        write_whole(path, packed(arrays))
 
     @classmethod
     def load(cls, path: str | Path) -> Results:
@@ -81,20 +82,20 @@ class Results:
         Raises:
             ResultsError: missing, damaged or foreign file.
         """
-        path = Path(path)
-        if not path.is_file():
-            raise ResultsError(f"{path}: no such file")
-        if not zipfile.is_zipfile(path):
-            raise ResultsError(f"{path.name}: not a results file, or cut off")
+        arrays = read_arrays(
+            path,
+            ResultsError,
+            "a results file",
+            "assets/scripts/make_results.py makes one of what `ido experiment run` found",
+        )
         try:
-            with np.load(path, allow_pickle=False) as file:
-                return cls(*(_column(file, field.name) for field in fields(cls)))
-        except Exception as error:  # zlib, zipfile and NumPy each raise their own
-            raise ResultsError(f"{path.name}: damaged, or not a results file ({error})") from error
+            return cls(*(_column(arrays, field.name) for field in fields(cls)))
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            raise ResultsError(f"{Path(path).name}: damaged, or not a results file ({error})") from error
 
 
-def _column(file: np.lib.npyio.NpzFile, name: str) -> np.ndarray:
-    column = file[name]
+def _column(arrays: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    column = arrays[name]
     if name in _TEXT:
-        return file[f"{name}_names"][column]
+        return arrays[f"{name}_names"][column]
     return column.astype(np.int64 if column.dtype.kind == "i" else np.float64)

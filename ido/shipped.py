@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.resources
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from ido.clouds import Cloud, Orientation, load_cloud
+from ido.histograms import HISTOGRAMS
 from ido.maps import Maps
 from ido.perturbation import OutlierKind
 from ido.results import Results
@@ -24,36 +24,40 @@ class Shape:
     """Of the model's normals."""
     outlier_kind: OutlierKind
     """Of the paper's experiments on this kind of cloud."""
-    histograms: tuple[str, ...]
-    """Names of the histograms that maps are shipped for."""
 
 
 SHAPES: dict[str, Shape] = {
-    "bunny": Shape("Stanford bunny", (0, 1, 0), "outward", "uniform", ("front-back", "triple-binary", "as-printed")),
-    "urban": Shape("Urban laser scan", (0, 0, 1), "up", "structured", ("front-back", "triple-binary")),
+    "bunny": Shape("Stanford bunny", (0, 1, 0), "outward", "uniform"),
+    "urban": Shape("Urban laser scan", (0, 0, 1), "up", "structured"),
 }
 
 
-def _asset(name: str) -> Path:
-    path = importlib.resources.files("ido.assets") / name
-    if not isinstance(path, Path):
-        raise FileNotFoundError(f"{name}: the package must be unpacked on disk")
-    return path
+def asset(name: str) -> Path:
+    """A shipped file or folder: of the installed package, or of the clone or source archive that this code lies in."""
+    package = Path(__file__).parent
+    installed = package / "assets"
+    return (installed if installed.is_dir() else package.parent / "assets") / name
 
 
 @cache
 def shipped_cloud(shape: str) -> Cloud:
     """A shipped cloud by name, `bunny` or `urban`."""
-    return Cloud.of(load_cloud(_asset(f"{shape}.ply")))
+    return Cloud.of(load_cloud(asset(f"{shape}.ply")))
+
+
+@cache
+def shipped_histograms(shape: str) -> tuple[str, ...]:
+    """Names of the histograms that maps of a shape are shipped for."""
+    return tuple(name for name in HISTOGRAMS if asset(f"{shape}-{name}.npz").is_file())
 
 
 @cache
 def shipped_maps(shape: str, histogram: str) -> Maps:
     """Shipped maps by the names of their shape and histogram."""
-    return Maps.load(_asset(f"{shape}-{histogram}.npz"))
+    return Maps.load(asset(f"{shape}-{histogram}.npz"))
 
 
 @cache
 def shipped_results() -> Results:
     """What `ido experiment run paper` found when it was run for this version."""
-    return Results.load(_asset("results.npz"))
+    return Results.load(asset("results.npz"))

@@ -89,12 +89,13 @@ def train(
 def training_scenes(cloud: Cloud, settings: TrainingSettings) -> tuple[SceneBatch, FloatArray]:
     """The training scenes and their true x* (N, 6): every perturbation uniform in the paper's training range."""
     rng = np.random.default_rng(settings.seed)
-    low, high = np.array([allowed.train for allowed in RANGES.values()]).T
-    draws = rng.uniform(low, high, (settings.samples, len(RANGES)))
+    names = sorted(RANGES, key=lambda name: RANGES[name].stream)  # their order decides the draws
+    low, high = np.array([RANGES[name].train for name in names]).T
+    draws = rng.uniform(low, high, (settings.samples, len(names)))
     seeds = rng.integers(0, 2**32, settings.samples)
     scenes = []
     for draw, seed in zip(draws, seeds, strict=True):
-        values = {n: round(v) if n in ("points", "outliers") else v for n, v in zip(RANGES, draw, strict=True)}
+        values = {n: round(v) if n in ("points", "outliers") else v for n, v in zip(names, draw, strict=True)}
         perturbation = Perturbation(**values, outlier_kind=settings.outlier_kind, seed=int(seed))
         scenes.append(perturb(cloud, perturbation))
     x_true = poses.log(np.stack([scene.T_model_scene for scene in scenes]))

@@ -13,11 +13,12 @@ import tyro
 
 from ido import CloudError, MapsError, OwnError
 from ido_viz.app import App
-from ido_viz.lessons import lesson
-from ido_viz.library import Library, shipped_library
-from ido_viz.plugins import QUICK, QUICK_POINTS, classes_of
-from ido_viz.run import warm_up
-from ido_viz.state import State, StateError, decode
+from ido_viz.core.library import Library, shipped_library
+from ido_viz.core.plugins import QUICK, QUICK_POINTS, classes_of
+from ido_viz.core.run import warm_up
+from ido_viz.core.state import State, StateError, decode
+from ido_viz.teach.content import ContentError
+from ido_viz.teach.lessons import lesson
 
 HISTOGRAM_HELP = (
     "Histograms of your own. If none of --maps is of it, maps are trained when it is first shown: "
@@ -56,7 +57,7 @@ def main() -> int:
     try:
         library, state = start(options)
         app = App(state, library=library, host=options.host, port=options.port)
-    except (StateError, CloudError, MapsError, OwnError, OSError, OverflowError) as error:
+    except (StateError, ContentError, CloudError, MapsError, OwnError, OSError, OverflowError) as error:
         print(f"ido-viz: {error}", file=sys.stderr)
         return 2
     print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)

@@ -7,9 +7,12 @@ import threading
 import viser
 
 from ido.console import hush
-from ido_viz.library import Library, shipped_library
+from ido_viz.core.library import Library, shipped_library
+from ido_viz.core.state import State
 from ido_viz.session import Session
-from ido_viz.state import State
+from ido_viz.teach.derivations import derivations
+from ido_viz.teach.lessons import lessons
+from ido_viz.teach.presets import presets
 
 
 class App:
@@ -23,6 +26,7 @@ class App:
 
     Raises:
         StateError: the state's shape or methods are not in the library.
+        ContentError: a lesson, preset or derivation has a mistake.
     """
 
     def __init__(
@@ -35,6 +39,8 @@ class App:
     ) -> None:
         self._library = library or shipped_library()
         self._state = self._library.checked(state or State())
+        for load in (lessons, presets, derivations):
+            load()  # a mistake in one is said here, not when a tab is opened
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         with hush():  # the command prints the address itself

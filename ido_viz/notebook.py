@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from ido import Cloud, Maps, Perturbation
+from ido import Cloud, Maps
 from ido_viz.app import App
-from ido_viz.lessons import lesson as lesson_of
-from ido_viz.library import Library, Subject, shipped_library
-from ido_viz.plugins import OwnClass
-from ido_viz.state import State, StateError, decode
+from ido_viz.core.library import Library, Subject, shipped_library
+from ido_viz.core.plugins import OwnClass
+from ido_viz.core.state import State, StateError, decode, with_values
+from ido_viz.teach.lessons import lesson as lesson_of
 
 OWN = "own cloud"
 """Name of a cloud that was given to `show`."""
 
 
-class Page:
+class EmbeddedExplorer:
     """A running explorer that a notebook shows as a frame; `stop` ends it.
 
     Args:
@@ -61,7 +61,7 @@ def show(
     height: int = 760,
     port: int = 0,
     **values: Any,
-) -> Page:
+) -> EmbeddedExplorer:
     """Start an explorer and embed it in the notebook cell whose last line this is.
 
     It listens on 127.0.0.1, so the browser must run on the same machine, or the port be forwarded to it.
@@ -72,7 +72,7 @@ def show(
         cloud: a cloud of your own to register, besides the shipped ones; needs maps.
         maps: the methods that register it, by the name that each is to have; the first two are shown.
         methods: methods and features of your own, as classes by the name that each is to have, on every shape; the
-            first is shown. See `ido.own`.
+            first is shown. See `ido.extensions`.
         height: of the frame, pixels.
         port: to listen on; any free one by default.
         values: of the page, as the fields of `ido_viz.state.State` and of `ido.Perturbation` name them:
@@ -94,24 +94,11 @@ def show(
     if methods:
         library = library.with_methods(methods)
         state = replace(state, left=next(iter(methods)))
-    state = _with_values(library, state, values)
-    return Page(App(library.checked(state), library=library, port=port), height)
+    if "shape" in values and values["shape"] != state.shape:
+        state = library.at_shape(state, values["shape"])
+    state = with_values(state, values)
+    return EmbeddedExplorer(App(library.checked(state), library=library, port=port), height)
 
 
 def _itself(maps: Maps) -> Maps:
     return maps
-
-
-def _with_values(library: Library, state: State, values: Mapping[str, Any]) -> State:
-    of_scene = {f.name for f in fields(Perturbation)}
-    of_page = {f.name for f in fields(State)} - {"perturbation"}
-    unknown = values.keys() - of_scene - of_page
-    if unknown:
-        raise StateError(f"unknown {', '.join(sorted(unknown))}; known: {', '.join(sorted(of_scene | of_page))}")
-    if "shape" in values and values["shape"] != state.shape:
-        state = library.at_shape(state, values["shape"])
-    try:
-        perturbation = replace(state.perturbation, **{n: v for n, v in values.items() if n in of_scene})
-    except (TypeError, ValueError) as error:
-        raise StateError(str(error)) from error
-    return replace(state, perturbation=perturbation, **{n: v for n, v in values.items() if n in of_page})

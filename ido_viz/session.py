@@ -6,6 +6,7 @@ changed, and draws one frame; whatever was asked meanwhile is drawn next, and wh
 
 from __future__ import annotations
 
+import html
 import logging
 import random
 import threading
@@ -18,17 +19,16 @@ import viser
 
 from ido import Perturbation
 from ido.types import FloatArray
-from ido_viz.actions import Actions
-from ido_viz.canvas import Canvas, point_at
-from ido_viz.compare import Comparison
-from ido_viz.controls import Controls
-from ido_viz.library import Library
-from ido_viz.live import LiveRun
-from ido_viz.microscope import inspect_both
-from ido_viz.panels import Panels
-from ido_viz.run import Run
-from ido_viz.state import LAST, NO_POINT, State, StateError, decode
-from ido_viz.sweeps import Choice
+from ido_viz.canvas.canvas import point_at
+from ido_viz.core.actions import Actions
+from ido_viz.core.comparison import Comparison
+from ido_viz.core.frame import Frame, frame_of, shown_iteration
+from ido_viz.core.library import Library
+from ido_viz.core.live_run import LiveRun
+from ido_viz.core.run import Run
+from ido_viz.core.state import LAST, NO_POINT, State, StateError, decode
+from ido_viz.core.sweep_results import Choice
+from ido_viz.page import Page
 
 FRAME = 1 / 30
 """Seconds between frames while playing."""
@@ -50,7 +50,8 @@ class Session:
         self._dirty = True
         self._closed = False
         self._run: Run | None = None
-        self._drawn: tuple[Run, State] | None = None
+        self._page: Page | None = None  # built by the thread
+        self._drawn: Frame | None = None
         self._live = LiveRun(library, self._wake)
         self._comparison = Comparison(library, self._wake)
         self._position = float(max(state.iteration, 0))  # the iteration while playing, with its fraction
@@ -76,8 +77,8 @@ class Session:
             if self._read_controls:  # what was asked before comes first
                 self._read()
             self._state = change(self._state)
-            if show:
-                self._controls.show(self._state)
+            if show and self._page is not None:
+                self._page.show(self._state)
             self._dirty = True
             self._awake.notify()
 
@@ -180,8 +181,7 @@ class Session:
 
     def _shown(self, state: State) -> int:
         """The iteration that a state shows."""
-        last = self._run.iterations if self._run else 0
-        return last if state.iteration == LAST else min(state.iteration, last)
+        return shown_iteration(self._run, state) if self._run else 0
 
     def _at(self, state: State, iteration: int) -> State:
         """The state at an iteration; at the end it stays at the end when the run changes."""
@@ -191,8 +191,8 @@ class Session:
 
     # The thread
 
-    def _serve(self) -> None:
-        actions = Actions(
+    def _actions(self) -> Actions:
+        return Actions(
             changed=self._changed,
             play=self._play,
             step=self._step,
@@ -208,14 +208,20 @@ class Session:
             open_page=self._open_page,
             show_all=lambda: self._change(lambda state: replace(state, hidden=()), show=True),
             inspect=self._inspect,
+            click=self._click,
             redraw=self._wake,
             shown=lambda: self._drawn,
         )
-        with self._client.atomic():
-            self._controls = Controls(self._client, self._library, self._state, actions)
-            self._panels = Panels(self._client, self._state, actions)
-            self._canvas = Canvas(self._client, self._click)
-        self._theme: bool | None = None
+
+    def _serve(self) -> None:
+        try:
+            with self._client.atomic():
+                page = Page(self._client, self._library, self._state, self._actions())
+        except Exception as error:  # without a page there is nothing to serve, but a person must hear of it
+            _log.exception("page failed")
+            self._give_up(error)
+            return
+        self._page = page
         while True:
             with self._awake:
                 wait = FRAME - (time.perf_counter() - self._ticked) if self._state.playing else None
@@ -226,12 +232,22 @@ class Session:
             try:
                 with self._awake:
                     state, show = self._take()
-                self._frame(state, show)
+                self._frame(page, state, show)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))
             except Exception as error:  # the page must outlive whatever goes wrong in one frame
                 _log.exception("frame failed")
                 self._fail("Something went wrong", f"{type(error).__name__}: {error}")
+
+    def _give_up(self, error: Exception) -> None:
+        """Say on the page why there is none."""
+        reason = f"{type(error).__name__}: {error}"
+        self._client.gui.reset()
+        self._client.gui.add_html(
+            '<div style="margin:8px;font-size:0.875rem"><b>This page cannot be shown.</b><br>'
+            f"{html.escape(reason)}<br>Start the explorer without a code, or with another one.</div>"
+        )
+        self._tell("This page cannot be shown", reason)
 
     def _take(self) -> tuple[State, bool]:
         """The newest state, with the controls read and the playing moved on; called with the lock held."""
@@ -250,40 +266,32 @@ class Session:
     def _read(self) -> bool:
         """Take over the controls' values; whether the controls must be shown what became of them."""
         self._read_controls = False
+        assert self._page is not None  # whose widgets else have changed?
         shape = self._state.shape
-        self._state, usable = self._controls.read(self._state)
+        self._state, usable = self._page.read(self._state)
         if self._state.shape != shape:
             self._state = self._library.at_shape(self._state, self._state.shape)
         return not usable or self._state.shape != shape
 
-    def _frame(self, state: State, show: bool) -> None:
+    def _frame(self, page: Page, state: State, show: bool) -> None:
         first = self._run is None
         begun = self._live.begin(state)
         with self._awake:
             if self._closed:
                 self._live.close()
                 return
-            self._run = self._live.run
+            self._run = run = self._live.collect()
             if first and begun:
                 self._ticked = time.perf_counter()
-        assert self._run is not None
-        iteration = self._shown(state)
+        assert run is not None
+        frame = frame_of(run, state)
         with self._client.atomic():
-            if state.dark != self._theme:
-                self._client.gui.configure_theme(
-                    dark_mode=state.dark, show_logo=False, show_share_button=False, brand_color=(0, 114, 178)
-                )
-                self._theme = state.dark
-            inspections = inspect_both(self._run, state, iteration)
-            self._canvas.draw(self._run, state, iteration, inspections)
-            self._drawn = (self._run, state)
-            self._panels.draw(self._run, self._comparison, state, iteration, inspections)
-            self._controls.show_run(self._run, state, iteration)
-            self._controls.show_cancel(self._live.slow)
+            page.draw(frame, self._comparison, may_cancel=self._live.slow)
+            self._drawn = frame
             if not self._dirty:  # the slider may have been dragged on meanwhile
-                self._controls.show_iteration(self._run, state, iteration)
+                page.show_iteration(frame)
             if show:
-                self._controls.show(state)
+                page.show(state)
 
     def _fail(self, title: str, body: str) -> None:
         with self._awake:

@@ -15,9 +15,9 @@ from rich.table import Table
 
 from ido import Perturbation, Scene, perturb, poses, register, score, shipped_cloud, shipped_maps
 from ido.training import solve, training_scenes
-from ido_viz.library import shipped_library
-from ido_viz.run import compute
-from ido_viz.state import State
+from ido_viz.core.library import shipped_library
+from ido_viz.core.run import compute
+from ido_viz.core.state import State
 
 SCENES = 60
 

@@ -17,10 +17,10 @@ import tyro
 import ido_viz
 from ido import cli, score
 from ido_viz.__main__ import Options, start
-from ido_viz.export import run_npz
-from ido_viz.library import shipped_library
-from ido_viz.run import compute, make_scene, register_side
-from ido_viz.state import State
+from ido_viz.core.library import shipped_library
+from ido_viz.core.run import compute, make_scene, register_side
+from ido_viz.core.state import State
+from ido_viz.files.downloads import run_npz
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -98,10 +98,10 @@ def test_maps_of_the_own_feature_are_trained_and_explored(my_module: Path):
 
 
 def test_the_example_for_a_notebook_shows_a_page(monkeypatch: pytest.MonkeyPatch):
-    pages: list[ido_viz.Page] = []
+    pages: list[ido_viz.EmbeddedExplorer] = []
     real = ido_viz.show
 
-    def show(**arguments: Any) -> ido_viz.Page:
+    def show(**arguments: Any) -> ido_viz.EmbeddedExplorer:
         pages.append(real(**arguments))
         return pages[-1]
 

@@ -18,8 +18,9 @@ from tyro.conf import Positional, arg
 from tyro.extras import SubcommandApp
 
 from ido.console import note, progress_bar
+from ido.experiments.execution import FAILED, MOST_SCENES, Experiment, run
+from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.report import report_command
-from ido.experiments.run import FAILED, METHODS, MOST_SCENES, Experiment, run
 from ido.experiments.store import Row, Store
 from ido.experiments.sweeps import LEVELS
 from ido.experiments.tune import tune_command
@@ -30,7 +31,7 @@ from ido.shipped import SHAPES
 if TYPE_CHECKING:
     DatasetName = MethodName = SweepName = str
 else:
-    DatasetName, MethodName, SweepName = Literal[tuple(SHAPES)], Literal[METHODS], Literal[tuple(LEVELS)]
+    DatasetName, MethodName, SweepName = Literal[tuple(SHAPES)], Literal[COMPARED_METHODS], Literal[tuple(LEVELS)]
 
 app = SubcommandApp()
 """`ido experiment ...`."""
@@ -45,7 +46,7 @@ def run_command(
     output: Annotated[Path, arg(aliases=["-o"], metavar="FILE.sqlite")] = Path("ido-results.sqlite"),
     datasets: tuple[DatasetName, ...] = tuple(SHAPES),
     sweeps: tuple[SweepName, ...] = tuple(LEVELS),
-    methods: Annotated[tuple[MethodName, ...], arg(metavar="METHOD ...")] = METHODS,
+    methods: Annotated[tuple[MethodName, ...], arg(metavar="METHOD ...")] = COMPARED_METHODS,
     levels: tuple[float, ...] | None = None,
     scenes: int = MOST_SCENES,
     workers: int | None = None,

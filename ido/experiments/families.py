@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ido.methods import LEARNED
+
 
 @dataclass(frozen=True, slots=True)
 class Family:
@@ -34,16 +36,14 @@ def _baseline(title: str, paper: str, color: str, marker: str) -> Family:
     return Family(title, paper, variants, color, marker)
 
 
-LEARNED_FAMILIES: tuple[Family, ...] = (
-    Family("DO", "DO", (("here", "DO"),), "#0072B2", "o"),
-    Family(
-        "Improved DO",
-        "Improved DO",
-        (("here", "Improved DO"), ("as printed", "Improved DO (as printed)")),
-        "#D55E00",
-        "s",
-    ),
-)
+def _learned(title: str, color: str, marker: str) -> Family:
+    """A learned method with its variants, ``Title (variant)``."""
+    others = [name for name in LEARNED if name.startswith(f"{title} (")]
+    variants = tuple((name.removeprefix(f"{title} (").rstrip(")"), name) for name in others)
+    return Family(title, title, (("here", title), *variants), color, marker)
+
+
+LEARNED_FAMILIES: tuple[Family, ...] = (_learned("DO", "#0072B2", "o"), _learned("Improved DO", "#D55E00", "s"))
 
 BASELINE_FAMILIES: tuple[Family, ...] = (
     _baseline("BCPD", "BCPD", "#009E73", "D"),
@@ -58,5 +58,5 @@ NOTHING = Family("Did nothing", None, (("here", "Did nothing"),), "#777777", "")
 FAMILIES: tuple[Family, ...] = (*LEARNED_FAMILIES, *BASELINE_FAMILIES, NOTHING)
 """All of them, in the order of the report."""
 
-METHODS: tuple[str, ...] = tuple(method for family in FAMILIES for _, method in family.variants)
+COMPARED_METHODS: tuple[str, ...] = tuple(method for family in FAMILIES for _, method in family.variants)
 """The names of all methods, in the order of the report."""

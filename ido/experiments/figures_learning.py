@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ido.bin_order import bin_order
 from ido.experiments.families import LEARNED_FAMILIES
 from ido.experiments.figures import INK, grid_of_axes, lettered, styled
 from ido.histograms import Histogram
@@ -80,7 +81,7 @@ def maps_figure(do: Maps, improved: Maps, numbers: Sequence[int] = COMPARED) -> 
 
 
 def _draw_map(ax: Axes, maps: Maps, number: int, title: str) -> None:
-    values = maps.maps[number - 1][:, bin_order(maps.histogram)]
+    values = maps.maps[number - 1][:, bin_order(maps.histogram, "reference value")]
     scale = float(np.quantile(np.abs(values), 0.995)) or 1.0
     tall = np.repeat(values, _ROW, axis=0)  # so that drawing averages neighbouring bins, but not rows
     corners = (-0.5, values.shape[1] - 0.5, 5.5, -0.5)
@@ -96,16 +97,9 @@ def _draw_map(ax: Axes, maps: Maps, number: int, title: str) -> None:
 
 def mark_sides(ax: Axes, histogram: Histogram) -> None:
     """Name the sides of each block below a chart whose x axis is the bins, and separate them by lines."""
-    names = [name for block in histogram.blocks for name in block]
+    names = histogram.side_names
     n_model = histogram.n_bins // len(names)
     ax.set_xticks([(i + 0.5) * n_model for i in range(len(names))], names)
     ax.tick_params(axis="x", length=0, labelsize=11)
     for i in range(1, len(names)):
         ax.axvline(i * n_model - 0.5, color=INK, linewidth=1.6 if i % 2 == 0 else 0.6)
-
-
-def bin_order(histogram: Histogram) -> np.ndarray:
-    """Bins of each side in the order of the reference line, as the explorer draws them first; shape (n_bins,)."""
-    n_model = len(histogram.model.points)
-    within = np.argsort(histogram.reference.reshape(-1, n_model), axis=1, kind="stable")
-    return (within + n_model * np.arange(len(within))[:, None]).reshape(-1)

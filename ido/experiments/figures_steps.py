@@ -9,9 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ido import poses
+from ido.bin_order import bin_order
 from ido.experiments.families import LEARNED_FAMILIES, Family
 from ido.experiments.figures import INK, grid_of_axes, lettered, styled
-from ido.experiments.figures_learning import WIDTHS, bin_order, mark_sides
+from ido.experiments.figures_learning import WIDTHS, mark_sides
 from ido.maps import Maps
 from ido.perturbation import Scene
 from ido.registration import Trajectory, register
@@ -75,7 +76,7 @@ def _draw_histogram(ax: Axes, maps: Maps, histogram: FloatArray) -> None:
     n_blocks = len(maps.histogram.blocks)
     reference = maps.histogram.reference.reshape(n_blocks, -1)
     tops = reference.max(axis=1, keepdims=True)
-    order = bin_order(maps.histogram)
+    order = bin_order(maps.histogram, "reference value")
     dots = (histogram.reshape(n_blocks, -1) / tops).reshape(-1)[order]
     line = (reference / tops).reshape(-1)[order]
     bins = np.arange(dots.size)

@@ -51,13 +51,13 @@ def sweeps_figure(results: Results, dataset: str, score: str) -> Figure:
 
 @styled
 def settings_figure(results: Results, dataset: str, score: str) -> Figure:
-    """The two variants of each method that has two, side by side over the six sweeps of a dataset."""
+    """The first two variants of each method that has more than one, side by side over the six sweeps of a dataset."""
     of_dataset = results.where(dataset=dataset)
-    families = [family for family in FAMILIES if len(family.variants) == 2]
+    families = [family for family in FAMILIES if len(family.variants) > 1]
     figure, axes = grid_of_axes(len(families), len(LEVELS), 12.5, sharex="col", sharey=True)
     nothing, do = (of_dataset.where(method=family.main) for family in (NOTHING, LEARNED_FAMILIES[0]))
     for row, family in zip(axes, families, strict=True):
-        runs = [(name, of_dataset.where(method=method)) for name, method in family.variants]
+        runs = [(name, of_dataset.where(method=method)) for name, method in family.variants[:2]]
         for ax, sweep in zip(row, ROW_NAMES, strict=True):
             _draw_line(ax, nothing, sweep, score, NOTHING, "solid")
             _draw_line(ax, do, sweep, score, LEARNED_FAMILIES[0], "thin")

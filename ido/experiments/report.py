@@ -27,7 +27,7 @@ from ido.experiments.report_tables import (
 from ido.experiments.sweeps import LEVELS
 from ido.methods import LEARNED
 from ido.results import Results
-from ido.shipped import SHAPES, shipped_maps
+from ido.shipped import SHAPES, shipped_histograms, shipped_maps
 
 if TYPE_CHECKING:
     from ido.experiments.gallery import NamedFigure
@@ -212,7 +212,7 @@ def _run_sections(results: Results, settings: Settings) -> Iterator[Section]:
 def _training_items() -> Iterator[str]:
     for name, shape in SHAPES.items():
         for method, histogram in LEARNED.items():
-            if histogram in shape.histograms:
+            if histogram in shipped_histograms(name):
                 maps = shipped_maps(name, histogram)
                 its, n_model = maps.settings, len(maps.histogram.model.points)
                 yield (

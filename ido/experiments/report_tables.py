@@ -9,7 +9,7 @@ from html import escape
 import numpy as np
 
 from ido.experiments.estimates import Costs, Estimate, level_estimates, sweep_estimate
-from ido.experiments.families import FAMILIES, METHODS, Family
+from ido.experiments.families import COMPARED_METHODS, FAMILIES, Family
 from ido.experiments.paper import ROW_NAMES, SCORE_TITLES, PaperTable
 from ido.experiments.sweeps import LEVELS
 from ido.methods import method_names
@@ -26,7 +26,7 @@ _NO_NUMBER = '<td class="none">–</td>'
 def methods_of(dataset: str) -> list[str]:
     """The methods that can register a dataset, in the order of the report."""
     known = method_names(dataset)
-    return [method for method in METHODS if method in known]
+    return [method for method in COMPARED_METHODS if method in known]
 
 
 def score_table(results: Results, table: PaperTable) -> str:
@@ -64,7 +64,7 @@ def _best_means(of_dataset: Results, table: PaperTable) -> dict[str, float]:
     """Our best mean of each sweep, as printed; NaN if there is none."""
     best = np.nanmax if table.score == "accuracy" else np.nanmin
     means = {
-        sweep: [sweep_estimate(of_dataset.where(method=method), sweep, table.score).mean for method in METHODS]
+        sweep: [sweep_estimate(of_dataset.where(method=method), sweep, table.score).mean for method in COMPARED_METHODS]
         for sweep in ROW_NAMES
     }
     return {s: round(float(best(v)), 3) if np.isfinite(v).any() else math.nan for s, v in means.items()}
@@ -117,7 +117,7 @@ def level_rows(results: Results) -> Iterator[Row]:
     )
     for dataset in SHAPES:
         of_dataset = results.where(dataset=dataset)
-        for method in METHODS:
+        for method in COMPARED_METHODS:
             run = of_dataset.where(method=method)
             for sweep, levels in LEVELS.items():
                 by_score = [level_estimates(run, sweep, score) for score in SCORE_TITLES]
@@ -185,7 +185,7 @@ def levels_table(results: Results) -> str:
 def settings_table(settings: Mapping[tuple[str, str], Mapping[str, object]]) -> str:
     """All settings of every method, as recorded; once where all datasets have the same."""
     rows = []
-    for method in METHODS:
+    for method in COMPARED_METHODS:
         recorded = {
             dataset: settings_text(settings[dataset, method]) for dataset in SHAPES if (dataset, method) in settings
         }

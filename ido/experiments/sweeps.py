@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,15 +15,32 @@ from ido.registration import EPSILON, register_batch
 from ido.scores import score
 from ido.types import FloatArray
 
-LEVELS: dict[str, tuple[float, ...]] = {
-    "noise": (0, 0.02, 0.04, 0.06, 0.08, 0.1),
-    "points": (100, 400, 1000, 2500, 4000),
-    "outliers": (0, 150, 300, 450, 600),
-    "incomplete": (0, 0.2, 0.4, 0.55, 0.7),
-    "rotation": (0, 30, 60, 90, 120, 150, 180),
-    "translation": (0, 0.2, 0.4, 0.6, 0.8, 1.0),
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """Levels of one perturbation. The numbers decide which scenes are drawn, so they must never change.
+
+    Args:
+        number: of the sweep.
+        levels: each with its number. The paper gives their range, not the levels.
+    """
+
+    number: int
+    levels: Mapping[float, int]
+
+
+SWEEPS: dict[str, Sweep] = {
+    "noise": Sweep(0, {0: 0, 0.02: 1, 0.04: 2, 0.06: 3, 0.08: 4, 0.1: 5}),
+    "points": Sweep(1, {100: 0, 400: 1, 1000: 2, 2500: 3, 4000: 4}),
+    "outliers": Sweep(2, {0: 0, 150: 1, 300: 2, 450: 3, 600: 4}),
+    "incomplete": Sweep(3, {0: 0, 0.2: 1, 0.4: 2, 0.55: 3, 0.7: 4}),
+    "rotation": Sweep(4, {0: 0, 30: 1, 60: 2, 90: 3, 120: 4, 150: 5, 180: 6}),
+    "translation": Sweep(5, {0: 0, 0.2: 1, 0.4: 2, 0.6: 3, 0.8: 4, 1.0: 5}),
 }
-"""Levels of each sweep. The paper gives their ranges, not the levels."""
+"""Every sweep, by the perturbation that it varies."""
+
+LEVELS: dict[str, tuple[float, ...]] = {name: tuple(sorted(its.levels)) for name, its in SWEEPS.items()}
+"""Levels of each sweep, rising."""
 
 
 def level_scene(base: Perturbation, name: str, level: float, trial: int, scenes: int, seed: int) -> Perturbation:
@@ -32,8 +49,8 @@ def level_scene(base: Perturbation, name: str, level: float, trial: int, scenes:
     All methods meet the same scenes.
     """
     value = int(level) if name in ("points", "outliers") else level
-    first = seed + 10_000 * list(LEVELS).index(name)
-    draw = first + LEVELS[name].index(level) * scenes + trial
+    its = SWEEPS[name]
+    draw = seed + 10_000 * its.number + its.levels[level] * scenes + trial
     return replace(base, seed=draw, **{name: value})
 
 

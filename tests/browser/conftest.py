@@ -12,7 +12,7 @@ from explorer import Explorer
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz.app import App
-from ido_viz.state import LAST, State
+from ido_viz.core.state import LAST, State
 
 FLAGS = [
     "--no-sandbox",

@@ -8,7 +8,7 @@ from dataclasses import replace
 from explorer import Explorer, box_of
 from playwright.sync_api import Locator
 
-from ido_viz.state import encode
+from ido_viz.core.state import encode
 
 OpenExplorer = Callable[..., Explorer]
 

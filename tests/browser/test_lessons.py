@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from explorer import Explorer
 
-from ido_viz.lessons import lesson
-from ido_viz.state import State
+from ido_viz.core.state import State
+from ido_viz.teach.lessons import lesson
 
 
 def test_a_lesson_is_walked_left_and_taken_up_again(explorer: Explorer):

@@ -10,8 +10,8 @@ import pytest
 from explorer import Explorer, box_of, like
 from PIL import Image
 
-from ido_viz import palette
-from ido_viz.state import LAST, State
+from ido_viz.core import palette
+from ido_viz.core.state import LAST, State
 
 OpenExplorer = Callable[..., Explorer]
 
@@ -33,7 +33,10 @@ def see_both_panes(explorer: Explorer) -> None:
 
     def seen() -> bool:
         left, right = explorer.canvas_halves()
-        return like(left, palette.METHODS[0]).sum() > VISIBLE and like(right, palette.METHODS[1]).sum() > VISIBLE
+        return (
+            like(left, palette.METHOD_COLORS[0]).sum() > VISIBLE
+            and like(right, palette.METHOD_COLORS[1]).sum() > VISIBLE
+        )
 
     explorer.wait_until("both panes on the canvas", seen)
 
@@ -41,8 +44,8 @@ def see_both_panes(explorer: Explorer) -> None:
 def test_each_pane_shows_its_method_s_cloud_and_what_both_share(explorer: Explorer):
     see_both_panes(explorer)
     left, right = explorer.canvas_halves()
-    assert like(left, palette.METHODS[1]).sum() == 0
-    assert like(right, palette.METHODS[0]).sum() == 0
+    assert like(left, palette.METHOD_COLORS[1]).sum() == 0
+    assert like(right, palette.METHOD_COLORS[0]).sum() == 0
     for half in (left, right):
         assert like(half, palette.OUTLIER).sum() > VISIBLE
         assert like(half, palette.GHOST).sum() > VISIBLE / 3
@@ -72,7 +75,7 @@ def test_stepping_moves_both_clouds(at_the_start: Explorer):
 
     def moved() -> bool:
         after = at_the_start.canvas_halves()
-        changed = [like(a, c) ^ like(b, c) for a, b, c in zip(before, after, palette.METHODS, strict=True)]
+        changed = [like(a, c) ^ like(b, c) for a, b, c in zip(before, after, palette.METHOD_COLORS, strict=True)]
         return all(pixels.sum() > VISIBLE for pixels in changed)
 
     at_the_start.wait_until("both clouds elsewhere", moved)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from explorer import Explorer, box_of
 
-from ido_viz.compare import COLUMNS
-from ido_viz.library import shipped_library
+from ido_viz.core.library import shipped_library
+from ido_viz.panels.compare_tab import COLUMNS
 
 
 def test_a_baseline_registers_steps_and_follows_a_slider(explorer: Explorer):

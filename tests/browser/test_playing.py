@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from explorer import Explorer
 
-from ido_viz.state import LAST, State
+from ido_viz.core.state import LAST, State
 
 OpenExplorer = Callable[..., Explorer]
 

@@ -13,12 +13,12 @@ from explorer import Explorer
 from playwright.sync_api import Browser, ViewportSize
 
 from ido import Cloud
-from ido.own import find_class
+from ido.extensions import find_class
 from ido.types import FloatArray
 from ido_viz.app import App
-from ido_viz.library import Library, shipped_library
-from ido_viz.run import compute
-from ido_viz.state import State
+from ido_viz.core.library import Library, shipped_library
+from ido_viz.core.run import compute
+from ido_viz.core.state import State
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 PERSONAL = "Point to plane"

@@ -9,8 +9,8 @@ from explorer import Explorer, box_of, numbers_of
 
 from ido import Perturbation
 from ido.perturbation import LARGEST_SEED
-from ido_viz.library import shipped_library
-from ido_viz.state import LONGEST_RUN
+from ido_viz.core.library import shipped_library
+from ido_viz.core.state import LONGEST_RUN
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 

@@ -9,7 +9,7 @@ import pytest
 from explorer import Explorer
 
 from ido import Perturbation
-from ido_viz.state import State, encode
+from ido_viz.core.state import State, encode
 
 OpenExplorer = Callable[..., Explorer]
 

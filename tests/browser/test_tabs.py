@@ -9,7 +9,7 @@ from explorer import Explorer
 from playwright.sync_api import Browser
 
 from ido_viz.app import App
-from ido_viz.state import LAST, State
+from ido_viz.core.state import LAST, State
 
 OpenExplorer = Callable[..., Explorer]
 

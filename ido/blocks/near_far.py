@@ -1,0 +1,47 @@
+"""A question that is not the paper's: does the scene point lie within σ of the model point, or further away?"""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+from numba import njit
+
+from ido.blocks.block import Question, Surface
+from ido.blocks.boxes import SIGMA2, Boxes, boxes_of, gaussian_weights, weigh
+from ido.clouds import Model
+from ido.types import BoolArray, DoubleArray, FloatArray
+
+
+class NearOrFar(Question):
+    """Near when ‖s - m_a‖ < σ; a point counts exp(-‖s - m_a‖²/σ²). docs/method.md, Eq. 5 and 12.
+
+    It weighs as front / back does. Plain counts would put nearly all points on the far side of every model point, and
+    a block that is scaled to length 1 would have next to nothing left for the near ones.
+    """
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__("near", "far", (86, 180, 233))
+
+    def answers(self, points: FloatArray, normals: FloatArray, moved: FloatArray) -> BoolArray:
+        return ((moved[None] - points[:, None]) ** 2).sum(axis=-1) < SIGMA2
+
+    def weights(self, points: FloatArray, moved: FloatArray) -> DoubleArray:
+        return gaussian_weights(points, moved)
+
+    def surface(self, point: FloatArray, normal: FloatArray) -> Surface:
+        """A sphere of radius σ."""
+        sphere = trimesh.creation.icosphere(subdivisions=3, radius=np.sqrt(SIGMA2))
+        return Surface(np.asarray(sphere.vertices) + point, np.asarray(sphere.faces))
+
+    def layout(self, model: Model) -> Boxes:
+        return boxes_of(model)
+
+    def count(self, layout: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
+        _count(layout, moved, starts, out, side)
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _count(boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
+    weigh(boxes, moved, starts, out, side, False)

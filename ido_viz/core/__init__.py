@@ -1,0 +1,1 @@
+"""What a page is and shows, without a browser: states, methods, runs, frames."""

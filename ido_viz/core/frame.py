@@ -1,0 +1,120 @@
+"""All that is drawn of a run at one iteration, as a value: made once for the canvas, the panels and the files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ido.bin_order import bin_order
+from ido.types import FloatArray
+from ido_viz.core.inspection import Inspection, inspect, inspected_number
+from ido_viz.core.overlay import Overlay, overlay_of
+from ido_viz.core.run import MethodRun, Run
+from ido_viz.core.state import LAST, State
+from ido_viz.core.verdict import Verdict
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SideFrame:
+    """One method at one of its poses.
+
+    Args:
+        pane: number of the pane, 0 for the left one.
+        run: the method's whole registration.
+        k: after how many of its iterations.
+        T_model_scene: the pose, shape (4, 4).
+        seen: the histogram there, shape (n_bins,).
+        order: of the bins from left to right, shape (n_bins,).
+        map_order: of the bins of maps that belong to several iterations, shape (n_bins,).
+        shown_map: number, from 1, of the map that is shown; 0 where there is none.
+        inspection: what it sees and makes of it; None for a method without maps.
+        overlay: what is laid over it; None for nothing.
+        verdict: how it stands.
+    """
+
+    pane: int
+    run: MethodRun
+    k: int
+    T_model_scene: FloatArray
+    seen: FloatArray
+    order: np.ndarray
+    map_order: np.ndarray
+    shown_map: int
+    inspection: Inspection | None
+    overlay: Overlay | None
+    verdict: Verdict
+
+    @property
+    def accuracy(self) -> float:
+        """PointAcc."""
+        return float(self.run.scores.accuracy[self.k])
+
+    @property
+    def rmse(self) -> float:
+        """PointRMSE, model units."""
+        return float(self.run.scores.rmse[self.k])
+
+    @property
+    def next_norm(self) -> float:
+        """Size of the next update; NaN where none was computed."""
+        return float(self.run.norms[self.k])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """Both methods after so many iterations.
+
+    Args:
+        state: what the page shows.
+        run: of the state's scene.
+        k: the iteration that the state means.
+        sides: the left and the right pane.
+    """
+
+    state: State
+    run: Run
+    k: int
+    sides: tuple[SideFrame, SideFrame]
+
+    @property
+    def inspected(self) -> SideFrame:
+        """The side that is looked into."""
+        return self.sides[inspected_number(self.state)]
+
+
+def frame_of(run: Run, state: State) -> Frame:
+    """The frame that a state shows of its run."""
+    k = shown_iteration(run, state)
+    return Frame(state, run, k, (_side_frame(run, state, k, 0), _side_frame(run, state, k, 1)))
+
+
+def shown_iteration(run: Run, state: State) -> int:
+    """The iteration of a run that a state shows."""
+    return run.iterations if state.iteration == LAST else min(state.iteration, run.iterations)
+
+
+def _side_frame(run: Run, state: State, iteration: int, pane: int) -> SideFrame:
+    side = run.sides[pane]
+    k = side.clipped(iteration)
+    inspection = inspect(run, state, iteration, pane)
+    contribution = None if inspection is None else inspection.values
+    return SideFrame(
+        pane=pane,
+        run=side,
+        k=k,
+        T_model_scene=side.T_model_scene[k],
+        seen=run.histogram(pane, k) if inspection is None else inspection.seen,
+        order=bin_order(side.histogram, state.order, contribution),
+        map_order=bin_order(side.histogram, state.order),
+        shown_map=_shown_map(side, state, iteration),
+        inspection=inspection,
+        overlay=overlay_of(run, state, iteration, pane),
+        verdict=side.verdict(k),
+    )
+
+
+def _shown_map(side: MethodRun, state: State, iteration: int) -> int:
+    if side.maps is None or not state.pinned_map:
+        return side.map_number(iteration)
+    return min(state.pinned_map, len(side.maps.maps))

@@ -1,0 +1,30 @@
+"""How a method stands: still on its way, or where it ended."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+IN_PLACE = 0.95
+"""PointAcc from which a scene counts as in place."""
+
+NEARLY_IN_PLACE = 0.5
+"""PointAcc from which it counts as nearly in place."""
+
+
+class Verdict(StrEnum):
+    """What is said of a method at a pose; the value is how it is said."""
+
+    COMPUTING = "computing"
+    CANCELLED = "cancelled"
+    FAILED = "failed"
+    MOVING = "moving"
+    IN_PLACE = "in place"
+    NEARLY_IN_PLACE = "nearly in place"
+    WRONG_POSE = "wrong pose"
+
+    @classmethod
+    def at_the_end(cls, accuracy: float) -> Verdict:
+        """Where a registration ended, by its PointAcc."""
+        if accuracy >= IN_PLACE:
+            return cls.IN_PLACE
+        return cls.NEARLY_IN_PLACE if accuracy >= NEARLY_IN_PLACE else cls.WRONG_POSE

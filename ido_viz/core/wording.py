@@ -1,0 +1,38 @@
+"""What is shown, in words: plain text that pages, panes and files share."""
+
+from __future__ import annotations
+
+from ido_viz.core.frame import SideFrame
+from ido_viz.core.state import State
+from ido_viz.core.verdict import Verdict
+
+_LONGEST_NAME = 40  # characters
+
+
+def scene_line(state: State) -> str:
+    """Shape, seed and sliders of a state's scene."""
+    p = state.perturbation
+    return (
+        f"{state.shape}, seed {p.seed}: rotation {p.rotation:g}°, translation {p.translation:g}, noise {p.noise:g}, "
+        f"{p.points} points, {p.incomplete:.0%} of them removed, {p.outliers} outliers"
+    )
+
+
+def progress_line(side: SideFrame) -> str:
+    """How far a method is, or why it is not there yet."""
+    return side.run.waiting or f"iteration {side.k} of {side.run.trajectory.iterations}"
+
+
+def verdict_line(side: SideFrame) -> str:
+    """Why a method stopped, and whether where the scene belongs; nothing of it before the end."""
+    if side.run.waiting:
+        return side.run.waiting
+    if side.verdict is Verdict.MOVING:
+        return str(side.verdict)
+    return f"{side.run.trajectory.stop}, {side.verdict}"
+
+
+def one_line(name: str) -> str:
+    """A name without line breaks, cut where two of them would not fit beside each other."""
+    name = " ".join(name.split())
+    return name if len(name) <= _LONGEST_NAME else f"{name[: _LONGEST_NAME - 1]}…"

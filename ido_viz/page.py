@@ -1,0 +1,122 @@
+"""A page: builds all its parts in their places, and draws frames into them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from ido_viz.canvas.canvas import Canvas
+from ido_viz.core.actions import Actions
+from ido_viz.core.comparison import Comparison
+from ido_viz.core.frame import Frame
+from ido_viz.core.library import Library
+from ido_viz.core.state import Part, State
+from ido_viz.files.downloads import DownloadFolder
+from ido_viz.panels.compare_tab import CompareTab
+from ido_viz.panels.controls import FOLDER_ORDER, Controls
+from ido_viz.panels.errors_tab import ErrorsTab
+from ido_viz.panels.help_tab import HelpTab
+from ido_viz.panels.histograms_tab import HistogramsTab
+from ido_viz.panels.inspect_tab import InspectTab
+from ido_viz.panels.maps_tab import MapsTab
+from ido_viz.panels.placing import Placing
+from ido_viz.panels.sweeps_tab import SweepsTab
+from ido_viz.panels.training_tab import TrainingTab
+from ido_viz.teach.derivations_tab import DerivationsTab
+from ido_viz.teach.lesson_folder import LessonFolder
+from ido_viz.teach.preset_folder import PresetFolder
+
+
+class Page:
+    """The widgets of one browser tab.
+
+    Args:
+        client: where they are placed.
+        library: shapes and methods on offer.
+        state: what the page begins with.
+        actions: what they do.
+    """
+
+    def __init__(self, client: viser.ClientHandle, library: Library, state: State, actions: Actions) -> None:
+        gui = client.gui
+        gui.set_panel_label("IDO Explorer")
+        gui.main_panel.dock_left()
+        self._gui = gui
+        self._controls = Controls(client, library, state, actions)
+        lessons = LessonFolder(gui, actions.open_page, state, order=-1)  # on top, so that the charts stay in sight
+        presets = PresetFolder(gui, actions.open_page, FOLDER_ORDER["presets"])
+        downloads = DownloadFolder(client, actions.shown, FOLDER_ORDER["download"])
+        upper = gui.add_panel(order=0)
+        with upper.add_tab("Histograms"):
+            self._histograms = HistogramsTab(gui, client.camera.image_height)
+        with upper.add_tab("Training"):
+            self._training = TrainingTab(gui)
+        with upper.add_tab("Derivations"):
+            self._derivations = DerivationsTab(gui)
+        with upper.add_tab("Help"):
+            HelpTab(gui)
+        lower = gui.add_panel(order=1)
+        with lower.add_tab("Maps"):
+            self._maps = MapsTab(gui)
+        telling: list[viser.GuiFolderHandle] = []  # what tells the scores
+        with lower.add_tab("Errors"), _kept(telling, gui):
+            self._errors = ErrorsTab(gui)
+        with lower.add_tab("Compare"), _kept(telling, gui):
+            self._compare = CompareTab(gui, actions)
+        with lower.add_tab("Sweeps"), _kept(telling, gui):
+            self._sweeps = SweepsTab(gui, actions.open_scene, actions.redraw)
+        with lower.add_tab("Inspect"):
+            self._inspect = InspectTab(gui, state, actions.inspect)
+        self._placing = Placing(gui, upper, lower)
+        self._parts: dict[Part, list[Any]] = {part: [handle] for part, handle in self._controls.parts.items()}
+        self._parts |= {"lessons": [lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
+        self._parts["scores"] += telling
+        self._canvas = Canvas(client, actions.click)
+        self._dark: bool | None = None
+
+    def read(self, state: State) -> tuple[State, bool]:
+        """The state with the widgets' newest values, and whether they all were usable as they are."""
+        return self._controls.read(state)
+
+    def show(self, state: State) -> None:
+        """Write a state into the widgets."""
+        self._controls.show(state)
+
+    def show_iteration(self, frame: Frame) -> None:
+        """Write the iteration, and, when nothing plays, the code."""
+        self._controls.show_iteration(frame)
+
+    def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
+        """Draw a frame; `may_cancel` offers to cancel slow methods."""
+        state = frame.state
+        self._set_theme(state.dark)
+        self._canvas.draw(frame)
+        self._placing.draw(state)
+        self._hide(state)
+        for tab in (self._inspect, self._histograms, self._maps, self._errors, self._training):
+            tab.draw(frame)
+        self._compare.draw(comparison, state)
+        self._sweeps.draw(state)
+        self._derivations.draw(state.dark)
+        self._controls.draw(frame, may_cancel=may_cancel)
+
+    def _set_theme(self, dark: bool) -> None:
+        if dark != self._dark:
+            self._gui.configure_theme(
+                dark_mode=dark, show_logo=False, show_share_button=False, brand_color=(0, 114, 178)
+            )
+            self._dark = dark
+
+    def _hide(self, state: State) -> None:
+        """Hide the parts that a lecturer has taken away, and show the others."""
+        for part, handles in self._parts.items():
+            for handle in handles:
+                if handle.visible != (part not in state.hidden):
+                    handle.visible = part not in state.hidden
+
+
+def _kept(folders: list[viser.GuiFolderHandle], gui: viser.GuiApi) -> viser.GuiFolderHandle:
+    """A nameless folder, kept in a list."""
+    folders.append(gui.add_folder(None))
+    return folders[-1]

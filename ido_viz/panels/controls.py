@@ -1,0 +1,287 @@
+"""The control panel: widgets that show a state and are read back into one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, TypeVar, get_args
+
+import numpy as np
+import viser
+
+from ido import RANGES, Perturbation
+from ido.perturbation import LARGEST_SEED, OutlierKind
+from ido_viz.core.actions import Actions, plain
+from ido_viz.core.frame import Frame
+from ido_viz.core.library import Library
+from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, MOST_MAPS, BinOrder, Overlay, Part, State
+from ido_viz.panels.playback import Playback
+from ido_viz.panels.sharing import ShareFolder
+
+FOLDER_ORDER: dict[Part, float] = {
+    part: 1000 + place for place, part in enumerate(("scene", "presets", "methods", "view", "share", "download"))
+}
+"""Of the folders below the playback, from above."""
+
+_STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
+_HINTS = {
+    "noise": "Standard deviation of the Gaussian noise on every point, in model units (the model fits in ±1).",
+    "points": "Points drawn from the full cloud, before some are removed.",
+    "outliers": "Points added that belong to nothing.",
+    "incomplete": "Share of the points removed, all on one side of a random plane.",
+    "rotation": "Angle in degrees about a random axis. The maps are trained on up to 90°.",
+    "translation": "Distance in a random direction, in model units. The maps are trained on up to 0.3.",
+}
+
+
+class Controls:
+    """The widgets that a state is made of. `read` gives the newest values; `show` writes a state into the widgets.
+
+    Args:
+        client: the page.
+        library: shapes and methods on offer.
+        state: what the page begins with.
+        actions: what the buttons do.
+    """
+
+    def __init__(self, client: viser.ClientHandle, library: Library, state: State, actions: Actions) -> None:
+        gui = client.gui
+        self._library = library
+        self._inputs: dict[str, Any] = {}
+        self._actions = actions
+        self._playback = Playback(gui, state, actions)
+        self._inputs["speed"] = self._playback.speed
+        self.parts: dict[Part, Any] = {"scores": self._playback.readout}
+        """What a lecturer can hide."""
+        self._scene(gui, state, actions)
+        self._methods(gui, state)
+        self._view(gui, state)
+        self._share = ShareFolder(gui, state, actions, self._on_input, FOLDER_ORDER["share"])
+        self.parts["share"] = self._share.folder
+        for handle in self._inputs.values():
+            handle.on_update(self._on_input)
+        for label, key, act in (
+            ("Play or pause", "P", actions.play),
+            ("Next iteration", "N", lambda: actions.step(1)),
+            ("Back one iteration", "B", lambda: actions.step(-1)),
+            ("Restart at iteration 0", "R", lambda: actions.jump(0)),
+        ):
+            gui.add_command(label, hotkey=key).on_trigger(plain(act))  # type: ignore[arg-type]
+
+    def _part(self, gui: viser.GuiApi, part: Part, label: str) -> viser.GuiFolderHandle:
+        """A folder that a lecturer can hide; all are open, for what is folded away is out of the keyboard's reach."""
+        self.parts[part] = gui.add_folder(label, order=FOLDER_ORDER[part])
+        return self.parts[part]
+
+    def _scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
+        with self._part(gui, "scene", "Perturb the scene"):
+            self._inputs["shape"] = gui.add_dropdown(
+                "Shape", tuple(self._library.subjects), initial_value=state.shape, hint=self._shape_hint()
+            )
+            paper = Perturbation()
+            for name, allowed in RANGES.items():
+                whole = name in ("points", "outliers")
+                kind = int if whole else float
+                self._inputs[name] = gui.add_slider(
+                    name.capitalize(),
+                    kind(allowed.low),
+                    kind(allowed.high),
+                    kind(_STEPS[name]),
+                    kind(np.clip(getattr(state.perturbation, name), allowed.low, allowed.high)),
+                    marks=((kind(getattr(paper, name)), f"{getattr(paper, name):g}"),),
+                    hint=_HINTS[name] + " The mark is the paper's default.",
+                )
+            self._inputs["outlier_kind"] = gui.add_dropdown(
+                "Outlier kind",
+                get_args(OutlierKind),
+                initial_value=state.perturbation.outlier_kind,
+                hint="Uniform: spread over a cube. Structured: one compact ball, as on the paper's real data.",
+            )
+            self._inputs["seed"] = gui.add_number(
+                "Seed", state.perturbation.seed, min=0, max=LARGEST_SEED, step=1, hint="The same seed, the same scene."
+            )
+            scene_buttons = {"New seed": actions.new_seed, "Paper defaults": actions.paper_defaults}
+            gui.add_button_group(
+                "Scene", tuple(scene_buttons), hint="Draw another scene, or take the paper's values with the same seed."
+            ).on_click(lambda event: scene_buttons[event.target.value]())
+
+    def _methods(self, gui: viser.GuiApi, state: State) -> None:
+        with self._part(gui, "methods", "Methods and stopping"):
+            for name in ("left", "right"):
+                self._inputs[name] = gui.add_dropdown(
+                    f"{name.capitalize()} pane",
+                    self._library.methods(state.shape),
+                    initial_value=getattr(state, name),
+                    hint=f"Any method can stand on the {name}. Slow ones compute in the background.",
+                )
+            self._inputs["epsilon"] = gui.add_number(
+                "Stop below ε",
+                state.epsilon,
+                min=EPSILON_RANGE[0],
+                max=EPSILON_RANGE[1],
+                step=0.0005,
+                hint="DO and Improved DO end when the update norm is below this. The paper says 0.005.",
+            )
+            self._inputs["max_iterations"] = gui.add_number(
+                "Most iterations",
+                state.max_iterations,
+                min=1,
+                max=LONGEST_RUN,
+                step=1,
+                hint="DO's and Improved DO's. Paper: 1000.",
+            )
+
+    def _view(self, gui: viser.GuiApi, state: State) -> None:
+        with self._part(gui, "view", "View"):
+            self._inputs["order"] = gui.add_dropdown(
+                "Order bins by", get_args(BinOrder), initial_value=state.order, hint="Within each side of a block."
+            )
+            self._inputs["difference"] = gui.add_checkbox(
+                "Histogram minus reference", state.difference, hint="Show the difference instead of both."
+            )
+            self._inputs["follow"] = gui.add_checkbox(
+                "Maps follow the iteration", state.pinned_map == 0, hint="Otherwise the map below is shown."
+            )
+            self._inputs["pinned_map"] = gui.add_slider(
+                "Map",
+                1,
+                max(2, state.pinned_map),  # as many as the methods have, once they are drawn
+                1,
+                max(1, state.pinned_map),
+                disabled=state.pinned_map == 0,
+                hint="Which map is shown, when the maps do not follow the iteration.",
+            )
+            self._inputs["ghost"] = gui.add_checkbox("Where it belongs", state.ghost, hint="Ground truth, in green.")
+            self._inputs["error_vectors"] = gui.add_checkbox(
+                "Error vectors", state.error_vectors, hint="A line from each scene point to where it belongs."
+            )
+            self._inputs["overlay"] = gui.add_dropdown(
+                "Overlay",
+                get_args(Overlay),
+                initial_value=state.overlay,
+                hint="Draw the scene a second time in each pane, and its histogram in grey: at the pose of the other "
+                "method, or of the iteration below.",
+            )
+            self._inputs["overlaid_iteration"] = gui.add_number(
+                "At iteration",
+                state.overlaid_iteration,
+                min=0,
+                max=LONGEST_RUN,
+                step=1,
+                hint="Which iteration is laid over; beyond the last one, the last.",
+            )
+            self._inputs["dark"] = gui.add_checkbox("Dark", state.dark, hint="Light on dark, for a dim room.")
+            self._inputs["large_text"] = gui.add_checkbox(
+                "Large text", state.large_text, hint="Larger text everywhere, for a projector."
+            )
+
+    def _shape_hint(self) -> str:
+        return "; ".join(f"{name}: {subject.title}" for name, subject in self._library.subjects.items())
+
+    def _on_input(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None:
+            self._actions.changed()
+
+    def read(self, state: State) -> tuple[State, bool]:
+        """The state with the widgets' newest values, and whether they all were usable as they are.
+
+        Nonsense is brought into range.
+        """
+        value = {name: handle.value for name, handle in self._inputs.items()}
+        perturbation = Perturbation(
+            **{name: _within(value[name], r.low, r.high, getattr(Perturbation(), name)) for name, r in RANGES.items()},
+            outlier_kind=value["outlier_kind"],
+            seed=_within(value["seed"], 0, LARGEST_SEED, 0),
+        )
+        known = self._library.methods(value["shape"])
+        newest = replace(
+            state,
+            shape=value["shape"],
+            perturbation=perturbation,
+            left=value["left"] if value["left"] in known else known[0],
+            right=value["right"] if value["right"] in known else known[1],
+            epsilon=_within(value["epsilon"], *EPSILON_RANGE, State().epsilon),
+            max_iterations=_within(value["max_iterations"], 1, LONGEST_RUN, State().max_iterations),
+            speed=_within(value["speed"], 1, 60, State().speed),
+            order=value["order"],
+            difference=value["difference"],
+            pinned_map=0 if value["follow"] else _within(value["pinned_map"], 1, MOST_MAPS, 1),
+            ghost=value["ghost"],
+            error_vectors=value["error_vectors"],
+            overlay=value["overlay"],
+            overlaid_iteration=_within(value["overlaid_iteration"], 0, LONGEST_RUN, 0),
+            dark=value["dark"],
+            large_text=value["large_text"],
+            hidden=self._share.hidden,
+        )
+        wanted = _widget_values(newest)
+        return newest, all(value[name] == wanted[name] for name in wanted)
+
+    def show(self, state: State) -> None:
+        """Write a state into the widgets, those that differ from it alone."""
+        known = self._library.methods(state.shape)
+        for name in ("left", "right"):
+            if self._inputs[name].options != known:
+                self._inputs[name].options = known
+        values = _widget_values(state)
+        self._inputs["pinned_map"].max = max(self._inputs["pinned_map"].max, state.pinned_map)
+        for name, value in values.items():
+            if self._inputs[name].value != value:
+                self._inputs[name].value = value
+
+        self._share.show(state)
+
+    def draw(self, frame: Frame, *, may_cancel: bool) -> None:
+        """Write what only shows: the readouts and the labels."""
+        self._playback.draw(frame)
+        self._playback.show_cancel(may_cancel)
+        slider = self._inputs["pinned_map"]
+        if slider.disabled != (frame.state.pinned_map == 0):
+            slider.disabled = frame.state.pinned_map == 0
+        most = max(2, frame.state.pinned_map, *(len(side.run.maps.maps) for side in frame.sides if side.run.maps))
+        if slider.max != most:
+            if slider.value > most:
+                slider.value = most
+            slider.max = most
+
+    def show_iteration(self, frame: Frame) -> None:
+        """Write the iteration, and, when nothing plays, the code."""
+        self._playback.show_iteration(frame)
+        if not frame.state.playing:
+            self._share.show_code(frame.state)
+
+
+def _widget_values(state: State) -> dict[str, Any]:
+    """What each widget holds for a state."""
+    values: dict[str, Any] = {name: getattr(state.perturbation, name) for name in (*RANGES, "outlier_kind", "seed")}
+    for name in (
+        "shape",
+        "left",
+        "right",
+        "epsilon",
+        "max_iterations",
+        "speed",
+        "order",
+        "difference",
+        "ghost",
+        "error_vectors",
+        "overlay",
+        "overlaid_iteration",
+        "dark",
+        "large_text",
+    ):
+        values[name] = getattr(state, name)
+    values["follow"] = state.pinned_map == 0
+    if state.pinned_map:
+        values["pinned_map"] = state.pinned_map
+    return values
+
+
+Number = TypeVar("Number", int, float)
+
+
+def _within(value: Any, low: float, high: float, default: Number) -> Number:
+    """A number brought into a range, of the default's kind; the default if it is none at all."""
+    if not isinstance(value, int | float) or not math.isfinite(value):
+        return default
+    return type(default)(min(max(value, low), high))

@@ -1,0 +1,54 @@
+"""Pieces of HTML that panels share. What comes from a user is escaped here."""
+
+from __future__ import annotations
+
+import html
+
+from ido_viz.core import palette
+from ido_viz.core.run import MethodRun, Run
+
+
+def caption(content: str) -> str:
+    """A small line of text above a chart; `content` is HTML."""
+    return f'<div style="font-size:0.75rem;line-height:1.3;margin:2px 8px 0 8px">{content}</div>'
+
+
+def method_span(method: str, pane: int) -> str:
+    """A method's name in its pane's colour."""
+    return f'<span style="color:{palette.css(palette.METHOD_COLORS[pane])}">● {html.escape(method)}</span>'
+
+
+def both_methods(run: Run) -> str:
+    """Both methods' names in their colours."""
+    return " &nbsp; ".join(method_span(side.method, pane) for pane, side in enumerate(run.sides))
+
+
+def no_maps(side: MethodRun, pane: int) -> str:
+    """What stands in the place of the maps of a baseline, or of a method that is not there yet."""
+    why = "has no maps yet" if side.waiting else "learns no maps"
+    return caption(f"<b>{method_span(side.method, pane)}</b> {why}")
+
+
+def legend() -> str:
+    """What the colours of points mean."""
+    return " &nbsp;".join(
+        '<span style="white-space:nowrap">'
+        + "".join(f'<span style="color:{palette.css(color)}">●</span>' for color in colors)
+        + f" {name}</span>"
+        for name, colors in palette.LEGEND.items()
+    )
+
+
+def table_html(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A table with its first column to the left and numbers to the right."""
+    cells = "".join(_cell("th", i, c) for i, c in enumerate(head))
+    body = "".join("<tr>" + "".join(_cell("td", i, c) for i, c in enumerate(row)) + "</tr>" for row in rows)
+    return (
+        '<table style="width:calc(100% - 16px);margin:2px 8px 6px 8px;font-size:0.64rem;line-height:1.4;'
+        f'font-variant-numeric:tabular-nums;border-collapse:collapse"><tr>{cells}</tr>{body}</table>'
+    )
+
+
+def _cell(kind: str, column: int, content: str) -> str:
+    align = "right;padding-left:0.4em" if column else "left"
+    return f'<{kind} style="text-align:{align}">{html.escape(content)}</{kind}>'

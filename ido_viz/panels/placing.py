@@ -1,0 +1,52 @@
+"""Where the panels are docked, how wide they are, and how large their text is."""
+
+from __future__ import annotations
+
+import viser
+
+from ido_viz.core.state import State
+
+CONTROLS_WIDTH = 300
+CHARTS_WIDTH = 400
+LARGE_TEXT = 1.25
+"""How much larger text is for a projector."""
+
+_WIDER = 1.14  # panels are then, less than the text, for the canvas needs its room
+
+
+class Placing:
+    """The main panel on the left, and two panels of charts on the right.
+
+    Args:
+        gui: whose panels they are.
+        upper: the upper one on the right.
+        lower: the lower one.
+    """
+
+    def __init__(self, gui: viser.GuiApi, upper: viser.PanelHandle, lower: viser.PanelHandle) -> None:
+        self._main = gui.main_panel
+        self._right = (upper, lower)
+        self._style = gui.add_html("")
+        self._look: tuple[bool, ...] | None = None
+
+    def draw(self, state: State) -> None:
+        """Set the size that all text is relative to, and show the panels that are not hidden, as wide as it needs."""
+        shown = ("upper charts" not in state.hidden, "lower charts" not in state.hidden)
+        if (*shown, state.large_text) == self._look:
+            return
+        self._look = (*shown, state.large_text)
+        scale = LARGE_TEXT if state.large_text else 1.0
+        self._style.content = f"<style>html{{font-size:{100 * scale:g}%}}</style>"
+        wider = _WIDER if state.large_text else 1.0
+        self._main.set_width(round(CONTROLS_WIDTH * wider))
+        above = None
+        for panel, visible in zip(self._right, shown, strict=True):
+            panel.visible = visible
+            if not visible:
+                continue
+            if above is None:  # a panel that was hidden has lost its place
+                panel.dock_right()
+                panel.set_width(round(CHARTS_WIDTH * wider))
+            else:
+                panel.dock_below(above)
+            above = panel

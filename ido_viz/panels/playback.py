@@ -1,0 +1,73 @@
+"""Playing a registration: buttons, the iteration, and the live numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import viser
+
+from ido_viz.core.actions import Actions, plain
+from ido_viz.core.frame import Frame
+from ido_viz.core.state import State
+from ido_viz.panels.readout import readout_html
+
+_PREPARING = (
+    '<div style="margin:0 8px;font-size:0.75rem">Preparing. On the very first start the numerical loops are '
+    "compiled, which takes some seconds.</div>"
+)
+
+
+class Playback:
+    """The widgets above all folders.
+
+    Args:
+        gui: where they are placed.
+        state: what the page begins with.
+        actions: what the buttons do.
+    """
+
+    def __init__(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
+        self._play = gui.add_button("Play (P)", icon=viser.Icon.PLAYER_PLAY, hint="Play or pause, also with the key P.")
+        self._play.on_click(plain(actions.play))
+        moves: dict[str, Callable[[], None]] = {
+            "First (R)": lambda: actions.jump(0),
+            "Back (B)": lambda: actions.step(-1),
+            "Next (N)": lambda: actions.step(1),
+            "Last": lambda: actions.jump(-1),
+        }
+        buttons = gui.add_button_group(
+            "Step", tuple(moves), hint="To the start, one iteration back or on, to the end. Keys: R, B, N."
+        )
+        buttons.on_click(lambda event: moves[event.target.value]())
+        self._scrub = gui.add_slider("Iteration", 0, 1, 1, 0, hint="Drag through the registration.")
+        self._scrub.on_update(lambda event: actions.jump(int(event.target.value)) if event.client else None)
+        self.speed = gui.add_slider("Speed", 1, 60, 1, state.speed, hint="Iterations a second while playing.")
+        self.readout = gui.add_html(_PREPARING)
+        self._cancel = gui.add_button(
+            "Cancel what is computed", color="gray", visible=False, hint="Give up the methods that are still computing."
+        )
+        self._cancel.on_click(plain(actions.cancel))
+
+    def draw(self, frame: Frame) -> None:
+        """Write the numbers and the label of the button."""
+        playing = frame.state.playing
+        self.readout.content = readout_html(frame)
+        label = "Pause (P)" if playing else "Play (P)"
+        if self._play.label != label:
+            self._play.label = label
+            self._play.icon = viser.Icon.PLAYER_PAUSE if playing else viser.Icon.PLAYER_PLAY
+
+    def show_cancel(self, shown: bool) -> None:
+        """Show or hide the button that cancels slow methods."""
+        if self._cancel.visible != shown:
+            self._cancel.visible = shown
+
+    def show_iteration(self, frame: Frame) -> None:
+        """Write the iteration."""
+        last = max(1, frame.run.iterations)
+        if self._scrub.max != last:
+            if self._scrub.value > last:
+                self._scrub.value = last
+            self._scrub.max = last
+        if self._scrub.value != frame.k:
+            self._scrub.value = frame.k

@@ -1,0 +1,1 @@
+"""Lessons, presets and derivations."""

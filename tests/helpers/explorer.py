@@ -1,0 +1,293 @@
+"""The explorer as a person uses it: what can be seen, and what can be done with mouse and keyboard."""
+
+from __future__ import annotations
+
+import io
+import re
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import FloatRect, Locator, Page
+
+from ido_viz.app import App
+from ido_viz.core.library import shipped_library
+from ido_viz.core.run import MethodRun, Run, compute
+from ido_viz.core.state import LAST, State, decode
+from ido_viz.panels.readout import verdict
+
+PATIENCE = 45.0  # seconds; only a failing test waits that long
+BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
+SETTLING = 400  # milliseconds in which a late frame would show
+NEAR = 12  # of 255: colours this close count as the same
+
+COUNT_DRAWN_PIXELS = """canvas => {
+    const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    return data.filter((value, i) => i % 4 == 3 && value).length;
+}"""
+
+READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
+    row => [...row.children].map(cell => cell.textContent.trim())
+)"""  # at once: the table is replaced many times a second
+
+Numbers = dict[str, tuple[str, str]]
+"""The readout: for each row what it says of the left and of the right pane."""
+
+
+@lru_cache(maxsize=64)
+def independent_run(state: State) -> Run:
+    """The run of a state, computed by the test itself."""
+    return compute(state, shipped_library())
+
+
+def next_update(side: MethodRun, points: np.ndarray, k: int) -> str:
+    """What the readout must say of the next update, computed anew from the histogram."""
+    at_end = k == side.trajectory.iterations
+    if at_end and (side.maps is None or side.trajectory.stop == "iteration limit"):
+        return "–"
+    if side.maps is None:
+        return f"{side.trajectory.update_norms[k]:.4f}"
+    D = side.maps.maps[min(k, len(side.maps.maps) - 1)]
+    return f"{np.linalg.norm(D @ side.maps.histogram(points, side.trajectory.x[k])):.4f}"
+
+
+def numbers_of(state: State) -> Numbers:
+    """What the readout must say for a state."""
+    run = independent_run(replace(state, iteration=0, playing=False))
+    rows: list[tuple[str, ...]] = []
+    for side in run.sides:
+        n = side.trajectory.iterations
+        k = n if state.iteration == LAST else min(state.iteration, n)
+        rows.append(
+            (
+                f"{k} / {n}",
+                next_update(side, run.scene.points, k),
+                f"{side.scores.accuracy[k]:.3f}",
+                f"{side.scores.rmse[k]:.4f}",
+                f"{side.scores.rotation[k]:.2f}°",
+                f"{side.scores.translation[k]:.4f}",
+                verdict(side, k),
+            )
+        )
+    names = ("Iteration", "Next update", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")
+    return {name: (left, right) for name, left, right in zip(names, *rows, strict=True)}
+
+
+class Explorer:
+    """One open page."""
+
+    def __init__(self, app: App, page: Page) -> None:
+        self.app = app
+        self.page = page
+        self.errors: list[str] = []
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.set_default_timeout(PATIENCE * 1000)
+
+    def open(self) -> Explorer:
+        """Go to the page and wait until it shows a run."""
+        self.page.goto(self.app.url)
+        return self.wait_ready()
+
+    def wait_ready(self) -> Explorer:
+        """Wait until the page shows a run."""
+        self.page.get_by_role("row", name="PointRMSE").wait_for()
+        return self
+
+    def wait_until(self, what: str, condition: Callable[[], object]) -> None:
+        """Wait until something is true."""
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < deadline, f"waited in vain for: {what}"
+            self.pause(30)
+
+    def pause(self, milliseconds: int = BETWEEN_CONTROLS) -> None:
+        """Wait as people do between two controls."""
+        self.page.wait_for_timeout(milliseconds)
+
+    # What can be seen
+
+    def numbers(self) -> Numbers:
+        """What the readout says."""
+        return {name: (left, right) for name, left, right in self.page.evaluate(READ_TABLE)[1:]}
+
+    def methods(self) -> tuple[str, str]:
+        """The names above the readout's columns."""
+        _, left, right = self.page.evaluate(READ_TABLE)[0]
+        return left, right
+
+    def iteration(self) -> int:
+        """The iteration that is shown, of the method that is ahead."""
+        return max(int(cell.split("/")[0]) for cell in self.numbers()["Iteration"])
+
+    def last_iteration(self) -> int:
+        """The last iteration, of the method that takes longer."""
+        return max(int(cell.split("/")[1]) for cell in self.numbers()["Iteration"])
+
+    def code(self) -> str:
+        """What the Share box holds."""
+        return self.field("State").input_value()
+
+    def state(self) -> State:
+        """The state of the Share box; it is kept up while nothing plays."""
+        return decode(self.code())
+
+    def expect_numbers(self, state: State) -> None:
+        """Wait until the readout says what it must for a state."""
+        expected = numbers_of(state)
+        self.wait_until(f"the numbers {expected}", lambda: self.numbers() == expected)
+
+    def expect_to_agree(self) -> State:
+        """Wait until the readout fits the Share box, and see that it stays so; the state."""
+        self.wait_until("readout and state to agree", lambda: self.numbers() == numbers_of(self.state()))
+        state = self.state()
+        self.pause(SETTLING)
+        assert self.state() == state, "the state changed by itself"
+        assert self.numbers() == numbers_of(state), "the readout changed by itself"
+        return state
+
+    def expect_alive(self) -> None:
+        """See that the page still reacts: first and next iteration are shown."""
+        self.press("First (R)")
+        self.wait_until("the first iteration", lambda: self.iteration() == 0)
+        self.pause()
+        self.press("Next (N)")
+        self.wait_until("the next iteration", lambda: self.iteration() == 1)
+
+    def notifications(self) -> list[str]:
+        """The messages on the page, without the browser's own about software rendering."""
+        texts = self.page.get_by_role("alert").all_inner_texts()
+        return [text for text in texts if "Software WebGL" not in text]
+
+    def close_notifications(self) -> None:
+        """Close all messages."""
+        while self.page.get_by_role("alert").count():
+            self.page.get_by_role("alert").first.get_by_role("button").click()
+            self.pause(300)  # they fade away
+
+    def is_playing(self) -> bool:
+        """Whether the play button offers to pause."""
+        return self.page.get_by_role("button", name="Pause (P)").count() == 1
+
+    # What can be done
+
+    def press(self, button: str) -> None:
+        """Press a button."""
+        self.page.get_by_role("button", name=button, exact=True).click()
+
+    def type_key(self, key: str) -> None:
+        """Press a key, with no text field in use."""
+        self.page.evaluate("document.activeElement.blur()")
+        self.page.keyboard.press(key)
+
+    def row(self, label: str) -> Locator:
+        """The row of the control panel that has this label."""
+        return self.page.locator("label").filter(has_text=re.compile(f"^{re.escape(label)}$")).locator("xpath=../../..")
+
+    def field(self, label: str) -> Locator:
+        """The text or number field of a row."""
+        return self.row(label).locator("input:not([type=hidden]):not([type=checkbox])").last
+
+    def slider_value(self, label: str) -> float:
+        """Where a slider's thumb is."""
+        return float(self.row(label).get_by_role("slider").get_attribute("aria-valuenow") or "nan")
+
+    def drag(self, label: str, *shares: float, steps: int = 12) -> float:
+        """Drag a slider's thumb with the mouse to shares of its track, one after another; where it ends."""
+        thumb = self.row(label).get_by_role("slider")
+        thumb.scroll_into_view_if_needed()
+        start, track = box_of(thumb), box_of(self.row(label).locator(".mantine-Slider-track"))
+        y = start["y"] + start["height"] / 2
+        self.page.mouse.move(start["x"] + start["width"] / 2, y)
+        self.page.mouse.down()
+        for share in shares:
+            self.page.mouse.move(track["x"] + share * track["width"], y, steps=steps)
+        self.page.mouse.up()
+        self.pause()
+        return self.slider_value(label)
+
+    def type_into(self, label: str, text: str) -> None:
+        """Write into a field, letter by letter, and leave it."""
+        field = self.field(label)
+        field.fill("")
+        field.press_sequentially(text)
+        field.press("Tab")
+        self.pause()
+
+    def choose(self, label: str, option: str) -> None:
+        """Choose from a menu."""
+        self.field(label).click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+        self.pause()
+
+    def options(self, label: str) -> list[str]:
+        """What a menu offers."""
+        self.field(label).click()
+        self.page.get_by_role("option").first.wait_for()
+        offered = self.page.get_by_role("option").all_inner_texts()
+        self.field(label).press("Escape")
+        self.page.get_by_role("option").first.wait_for(state="hidden")
+        return offered
+
+    def tick(self, label: str) -> None:
+        """Tick or untick a box."""
+        self.row(label).get_by_role("checkbox").click()
+        self.pause()
+
+    def paste(self, code: str) -> None:
+        """Paste a code into the Share box."""
+        if not self.field("State").is_visible():
+            self.page.get_by_text("Share", exact=True).click()
+        self.field("State").fill(code)
+        self.pause()
+
+    def open_tab(self, name: str) -> None:
+        """Open a tab of a panel."""
+        self.page.get_by_role("tab", name=name, exact=True).click()
+
+    # Pictures
+
+    def canvas(self) -> Locator:
+        """The 3D canvas."""
+        return self.page.locator("canvas[data-engine]")
+
+    def canvas_halves(self) -> tuple[np.ndarray, np.ndarray]:
+        """The pixels of the canvas's left and right half, each of shape (height, width, 3)."""
+        shot = self.page.screenshot(clip=box_of(self.canvas()))
+        pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+        middle = pixels.shape[1] // 2
+        return pixels[:, :middle], pixels[:, middle:]
+
+    def charts(self) -> Locator:
+        """The charts that can be seen."""
+        return self.page.locator(".uplot canvas:visible")
+
+    def chart_picture(self, number: int) -> str:
+        """What a chart shows."""
+        return self.charts().nth(number).evaluate("canvas => canvas.toDataURL()")
+
+    def chart_ink(self, number: int) -> int:
+        """How many pixels of a chart are drawn on."""
+        return self.charts().nth(number).evaluate(COUNT_DRAWN_PIXELS)
+
+    def heatmaps(self) -> Locator:
+        """The heatmaps that can be seen."""
+        return self.page.locator("img[alt='heatmap of the map']:visible")
+
+    def heatmap_pictures(self) -> list[str]:
+        """The pictures of all heatmaps that can be seen."""
+        return self.heatmaps().evaluate_all("images => images.map(image => image.src)")
+
+
+def box_of(locator: Locator) -> FloatRect:
+    """Where something is on the page."""
+    box = locator.bounding_box()
+    assert box is not None, f"{locator} cannot be seen"
+    return box
+
+
+def like(pixels: np.ndarray, color: tuple[int, int, int]) -> np.ndarray:
+    """Which pixels are nearly of a colour, shape (height, width)."""
+    return np.abs(pixels - np.array(color)).max(axis=2) <= NEAR

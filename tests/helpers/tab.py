@@ -1,0 +1,136 @@
+"""A browser tab without a browser: its page only takes notes."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import viser
+
+from ido import Perturbation, Scene
+from ido_viz.core.actions import Actions
+from ido_viz.core.comparison import Comparison
+from ido_viz.core.frame import Frame
+from ido_viz.core.library import Library, Subject, shipped_library
+from ido_viz.core.run import Run, make_scene
+from ido_viz.core.state import State
+from ido_viz.session import Session
+
+PATIENCE = 15.0  # seconds; only a failing test waits that long
+QUIET = 0.2  # seconds without a frame after which nothing more is to come
+LENGTH = 12
+PAUSED = State(
+    perturbation=Perturbation(points=100, outliers=0, rotation=30.0), max_iterations=LENGTH, playing=False, iteration=0
+)
+NOT_WIDGETS = ("iteration", "playing")
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What was drawn."""
+
+    state: State
+    run: Run
+    iteration: int
+
+
+class Tab:
+    """A browser tab as its session knows it, with widgets that hold values, and a person who uses them."""
+
+    def __init__(self, state: State = PAUSED) -> None:
+        self.client_id = id(self)
+        self.frames: list[Drawn] = []
+        self.notes: list[str] = []
+        self.widgets = state
+        self.may_cancel = False
+        self.actions = cast(Actions, None)
+        self.last_sign_of_life = time.perf_counter()
+        self.session = Session(cast(viser.ClientHandle, self), shipped_library(), state)
+        self.session.start()
+
+    def atomic(self) -> AbstractContextManager[None]:
+        return nullcontext()
+
+    def add_notification(self, title: str, body: str, **_: object) -> None:
+        self.notes.append(f"{title}: {body}")
+
+    @property
+    def shown(self) -> Drawn:
+        """The last frame."""
+        return self.frames[-1]
+
+    def set(self, **changes: Any) -> None:
+        """Move widgets of the scene or of the page, as a person does."""
+        values = {name: value for name, value in changes.items() if name in State.__slots__}
+        rest = {name: value for name, value in changes.items() if name not in values}
+        self.widgets = replace(self.widgets, perturbation=replace(self.widgets.perturbation, **rest), **values)
+        self.actions.changed()
+
+    def wait(self, what: str, until: Callable[[], bool]) -> None:
+        """Wait until something is true."""
+        deadline = time.perf_counter() + PATIENCE
+        while not until():
+            assert time.perf_counter() < deadline, f"waited in vain for {what}; notes: {self.notes}"
+            assert self.is_served or until(), f"the session ended before {what}; notes: {self.notes}"
+            time.sleep(0.002)
+
+    def settle(self) -> Drawn:
+        """Wait until nothing more is drawn; the last frame."""
+        self.wait("a first frame", lambda: bool(self.frames))
+        self.last_sign_of_life = time.perf_counter()
+        self.wait("calm", lambda: time.perf_counter() - self.last_sign_of_life > QUIET)
+        return self.shown
+
+    @property
+    def is_served(self) -> bool:
+        """Whether the session's thread still runs."""
+        return any(thread.name == f"session-{self.client_id}" for thread in threading.enumerate())
+
+
+class PageOfTab:
+    """Stands for the page: `read` takes the tab's widgets, `show` writes into them, `draw` is noted."""
+
+    fail_reading = False
+
+    def __init__(self, tab: Tab, library: Library, state: State, actions: Actions) -> None:
+        self.tab = tab
+        tab.widgets, tab.actions = state, actions
+
+    def read(self, state: State) -> tuple[State, bool]:
+        if self.fail_reading:
+            raise RuntimeError("the widget is broken")
+        return replace(self.tab.widgets, **{name: getattr(state, name) for name in NOT_WIDGETS}), True
+
+    def show(self, state: State) -> None:
+        self.tab.widgets = state
+
+    def show_iteration(self, frame: Frame) -> None:
+        pass
+
+    def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
+        self.tab.may_cancel = may_cancel
+        self.tab.frames.append(Drawn(frame.state, frame.run, frame.k))
+        self.tab.last_sign_of_life = time.perf_counter()
+
+
+class Computing:
+    """The real computation, counted; it can be held, slowed and made to fail."""
+
+    def __init__(self) -> None:
+        self.states: list[State] = []
+        self.go = threading.Event()
+        self.go.set()
+        self.seconds = 0.0
+        self.failure: Exception | None = None
+
+    def __call__(self, subject: Subject, state: State) -> Scene:
+        self.states.append(state)
+        assert self.go.wait(PATIENCE)
+        time.sleep(self.seconds)
+        if self.failure is not None:
+            raise self.failure
+        return make_scene(subject, state)

@@ -1,0 +1,365 @@
+"""The report: the paper's numbers, means and intervals, the page, its figures and its tables."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.lines import Line2D
+
+from ido.bin_order import bin_order
+from ido.experiments import LEVELS, Results, mean_and_interval
+from ido.experiments.estimates import Costs, estimate, sweep_estimate
+from ido.experiments.families import COMPARED_METHODS, FAMILIES
+from ido.experiments.figures_learning import training_figure
+from ido.experiments.figures_sweeps import sweeps_figure
+from ido.experiments.paper import PAPER_METHODS, PAPER_TABLES, ROW_NAMES
+from ido.experiments.report import report_command
+from ido.experiments.report_page import figure_html, page
+from ido.experiments.report_tables import levels_table, score_table, settings_table, settings_text, time_text
+from ido.experiments.store import Row, Store
+from ido.methods import BASELINES, LEARNED
+from ido.shipped import shipped_maps, shipped_results
+
+SETTINGS = {("bunny", name): {"cutoff": 0.3, "fingerprint": "f00d"} for name in ("DO", "ICP, tuned", "Did nothing")}
+RUN = ("DO", "ICP, tuned", "Did nothing")
+MISSING_LEVELS = ("ICP, tuned", "rotation", 2)
+"""A method, a sweep and how many of its levels were run."""
+
+
+@pytest.fixture(scope="module")
+def results() -> Results:
+    """Three methods on the bunny, with uneven numbers of scenes; one sweep of ICP is cut short; two failed."""
+    rng = np.random.default_rng(0)
+    rows = []
+    for method in RUN:
+        for sweep, levels in LEVELS.items():
+            if (method, sweep) == MISSING_LEVELS[:2]:
+                levels = levels[: MISSING_LEVELS[2]]
+            for i, level in enumerate(levels):
+                for trial in range(2 + i):
+                    failed = method == "ICP, tuned" and sweep == "noise" and trial == i == 1
+                    scores = (0.0, np.nan) if failed else (rng.random(), 0.5 + rng.random())
+                    row = ("bunny", method, sweep, level, trial, 1000 + trial, *scores, 5.0, 0.1)
+                    rows.append((*row, 0.25 + rng.random(), 40 + trial, "failed" if failed else "converged"))
+    return results_of(rows)
+
+
+def results_of(rows: Sequence[tuple[object, ...]]) -> Results:
+    kinds = (str, str, str, float, np.int64, np.int64, *[float] * 5, np.int64, str)
+    columns = zip(*rows, strict=True) if rows else [()] * len(kinds)
+    return Results(*(np.array(column, dtype=kind) for column, kind in zip(columns, kinds, strict=True)))
+
+
+@pytest.fixture(scope="module")
+def folder(results: Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the command writes of them."""
+    file, folder = tmp_path_factory.mktemp("results") / "results.sqlite", tmp_path_factory.mktemp("report") / "new"
+    columns = (getattr(results, name).tolist() for name in Row._fields)
+    with Store.open(file, {"bunny": {}}, SETTINGS) as store:
+        store.append(Row(*row) for row in zip(*columns, strict=True))
+    report_command(file, folder)
+    return folder
+
+
+def cells(html: str) -> list[list[str]]:
+    """The text of a table's cells, row by row."""
+    rows = re.findall(r"<tr[^>]*>(.*?)</tr>", html)
+    return [[re.sub(r"<[^>]+>", "", cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)] for row in rows]
+
+
+def read_csv(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+# the paper's numbers
+
+
+def test_the_papers_tables_hold_what_it_prints():
+    columns = {  # sums over what is printed, BCPD to OURS
+        "I": (3.718, 1.866, 0.621, 0.001, 0.123, 4.505, 5.259),
+        "II": (2.029, 3.263, 3.961, 6.772, 3.971, 1.371, 0.896),
+        "III": (4.057, 2.014, 0.362, 0.000, 0.198, 4.060, 5.292),
+        "IV": (1.799, 2.940, 4.068, 6.946, 3.466, 1.594, 0.841),
+    }
+    rows = {  # NoiseStd to Translation
+        "I": (2.936, 3.021, 3.108, 2.841, 1.881, 2.306),
+        "II": (3.146, 3.141, 3.129, 3.295, 5.245, 4.307),
+        "III": (2.919, 2.992, 3.060, 2.802, 1.904, 2.306),
+        "IV": (3.030, 2.993, 3.015, 3.160, 5.149, 4.307),
+    }
+    for table in PAPER_TABLES:
+        sums = [sum(row[method] for row in table.values.values()) for method in PAPER_METHODS]
+        assert sums == pytest.approx(columns[table.number], abs=1e-9)
+        sums = [sum(table.values[sweep].values()) for sweep in ROW_NAMES]
+        assert sums == pytest.approx(rows[table.number], abs=1e-9)
+    assert [(t.number, t.dataset, t.score) for t in PAPER_TABLES] == [
+        ("I", "bunny", "accuracy"),
+        ("II", "bunny", "rmse"),
+        ("III", "urban", "accuracy"),
+        ("IV", "urban", "rmse"),
+    ]
+
+
+@pytest.mark.parametrize("dataset", ["bunny", "urban"])
+def test_the_readmes_tables_are_the_shipped_results_and_the_papers_numbers(dataset: str):
+    readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+    lines = readme[readme.index(f"| {dataset} | noise |") :].splitlines()
+    printed = next(table for table in PAPER_TABLES if (table.dataset, table.score) == (dataset, "accuracy")).values
+    results, checked = shipped_results(), 0
+    for line in lines[2:]:
+        if not line:
+            break
+        method, *cells = [cell.strip() for cell in line.strip("|").split("|")]
+        of_paper = re.split(r",| \(", method)[0]
+        for sweep, cell in zip(LEVELS, cells, strict=True):
+            ours, papers = map(float, re.fullmatch(r"([\d.]+) \(([\d.]+)\)", cell).groups())  # type: ignore[union-attr]
+            run = results.where(dataset=dataset, sweep=sweep, method=method)
+            means = [run.accuracy[run.level == level].mean() for level in LEVELS[sweep]]
+            assert abs(np.mean(means) - ours) < 0.00051
+            assert printed[sweep][of_paper] == papers
+            checked += 1
+    assert checked == 7 * 6
+
+
+def test_exactly_the_repeated_rows_are_marked():
+    for table in PAPER_TABLES:
+        other = next(t for t in PAPER_TABLES if t.score == table.score and t.dataset == "bunny")
+        same = tuple(s for s in ROW_NAMES if table is not other and table.values[s] == other.values[s])
+        assert table.repeated == same
+
+
+# means and intervals
+
+
+def test_even_counts_give_the_same_as_the_sweeps_own_summary():
+    values = np.random.default_rng(1).random((5, 20))
+    found = estimate(list(values))
+    assert (found.mean, found.half) == pytest.approx(mean_and_interval(values))
+
+
+def test_every_level_counts_the_same_however_many_scenes_it_has():
+    found = estimate([np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0]), np.array([0.0, 0.5])])
+    assert found.mean == pytest.approx((1.0 + 0.25) / 2)
+    assert found.half == pytest.approx(1.96 * np.sqrt(0.125 / 2 / 4))  # only the second level varies
+
+
+def test_the_interval_of_uneven_counts_covers_the_truth_19_times_out_of_20():
+    rng = np.random.default_rng(2)
+    counts, truth = (15, 40, 90), np.array([0.2, 0.5, 0.9])
+    covered = 0
+    for _ in range(600):
+        found = estimate([rng.normal(t, 0.3, n) for t, n in zip(truth, counts, strict=True)])
+        covered += abs(found.mean - truth.mean()) <= found.half
+    assert covered / 600 == pytest.approx(0.95, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("levels", "status"),
+    [
+        ([[], []], "not run"),
+        ([[0.0], []], "1 of 2 levels run"),
+        ([[0.5], [np.nan]], "failed"),
+        ([[0.0], [0.0]], "run"),
+    ],
+)
+def test_a_mean_needs_every_level(levels: list[list[float]], status: str):
+    found = estimate([np.array(values, dtype=float) for values in levels])
+    assert found.status == status
+    assert np.isnan(found.mean) == (status != "run")
+    assert np.isnan(found.half)
+
+
+def test_failures_are_left_out_of_the_error_and_of_the_costs_but_not_of_the_accuracy(results: Results):
+    icp = results.where(method="ICP, tuned", sweep="noise", level=0.02)
+    assert len(icp) == 3
+    assert estimate([icp.accuracy]).mean == pytest.approx(icp.accuracy.sum() / 3)
+    assert estimate([icp.rmse]).mean == pytest.approx(np.nansum(icp.rmse) / 2)
+    assert estimate([icp.rmse]).failed == 1
+    assert Costs.of(icp).iterations == 41  # of 40, (41) and 42
+
+
+# the page
+
+
+class References(HTMLParser):
+    """Collects what a page would load or link to, and the pictures' descriptions."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.found: list[str] = []
+        self.described: list[bool] = []
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.found += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data", "action")]
+        if tag == "img":
+            self.described.append(bool(dict(attrs).get("alt")))
+
+
+def test_the_page_needs_nothing_else(folder: Path):
+    html = (folder / "report.html").read_text(encoding="utf-8")
+    references = References(html)
+    assert all(each.startswith(("data:image/svg+xml;base64,", "#")) for each in references.found)
+    assert not {"script", "link", "iframe", "object"} & set(references.tags)
+    style = html[html.index("<style>") : html.index("</style>")]
+    assert "url(" not in style and "@import" not in style
+    assert references.described.count(True) == len(list((folder / "figures").glob("*.svg"))) == 8
+
+
+def test_each_picture_is_there_as_png_and_svg_and_names_no_machine(folder: Path):
+    pictures = {path.stem for path in (folder / "figures").glob("*.png")}
+    assert pictures == {path.stem for path in (folder / "figures").glob("*.svg")}
+    assert {"bunny-training", "bunny-maps", "bunny-histograms", "bunny-clouds", "bunny-rmse-sweeps"} <= pictures
+    for path in folder.rglob("*.svg"):
+        text = path.read_text(encoding="utf-8")
+        assert "<text" not in text, "text is outlines"
+        assert not re.search(r"<dc:date>|/home/|/tmp/|/root/", text)
+
+
+def test_text_cannot_become_markup():
+    nasty = "<script>alert(1)</script>&\"'"
+    html = page(nasty, "", [(nasty, figure_html(1, nasty, nasty, nasty, b""))])
+    html += settings_table({("bunny", "DO"): {nasty: nasty}})
+    assert "<script" not in html
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;&amp;" in html
+
+
+def test_the_papers_number_stands_above_ours(results: Results):
+    rows = cells(score_table(results, PAPER_TABLES[0]))
+    icp = [row[0] for row in rows].index("ICP")
+    assert rows[icp][1:8] == ["paper", "0.000", "0.000", "0.000", "0.000", "0.001", "0.000"]
+    ours = sweep_estimate(results.where(method="ICP, tuned"), "outliers", "accuracy")
+    assert rows[icp + 1][2].startswith(f"{ours.mean:.3f} ± {ours.half:.3f}")
+    assert rows[icp + 2] == ["default", *["not run"] * 8]
+
+
+def test_what_was_not_run_says_so_and_is_never_a_number(folder: Path, results: Results):
+    for table in PAPER_TABLES:
+        ours = [row for row in cells(score_table(results, table)) if "paper" not in row]
+        rows = dict(zip(COMPARED_METHODS, ours[1:], strict=True))
+        for method, row in rows.items():
+            scores = row[-8:] if len(row) > 8 else row[1:]
+            if table.dataset == "bunny" and method in RUN:
+                assert "not run" not in scores
+            else:
+                assert all(cell.startswith("not run") for cell in scores)
+    icp = next(row for row in cells(score_table(results, PAPER_TABLES[0])) if row[0] == "tuned" and "levels" in row[5])
+    assert icp[5] == "2 of 7 levels run"
+    html = (folder / "report.html").read_text(encoding="utf-8")
+    assert "The sweeps of this cloud were not run." in html
+    assert "The number of scenes at a level is uneven, 2 to 8; the paper has 100." in html
+    run = sum(len(levels) for levels in LEVELS.values()) * 3 - 5
+    assert f"Not everything was run:</b> {run} of {34 * (14 + 13)} levels" in html
+
+
+def test_the_page_tells_what_a_reader_must_know(folder: Path):
+    html = (folder / "report.html").read_text(encoding="utf-8")
+    assert len(re.findall("The paper's slip", html)) == 2
+    assert "Every method starts from the identity" in html
+    assert "cutoff 0.3" in html
+    assert "f00d" not in html, "a fingerprint is for files"
+    text = re.sub(r"<[^>]+>", "\n", html[html.index("</style>") :])
+    assert "KCCE (reconstruction)" in text
+    assert not re.findall(r"(?<!paper's )KCCE(?! \(reconstruction\))", text)
+
+
+def test_levels_and_seeds_are_those_that_were_run(results: Results):
+    rows = {row[0]: row for row in cells(levels_table(results))}
+    assert rows["PointNum"][1:] == ["points before removal", "100, 400, 1000, 2500, 4000", "400", "1000 to 1005"]
+
+
+def test_settings_are_told_once_where_the_clouds_agree():
+    same, other = {"cutoff": 0.3, "max_iterations": 9, "fingerprint": "a"}, {"cutoff": 0.4}
+    assert settings_text(same) == "cutoff 0.3, max iterations 9"
+    rows = cells(settings_table({("bunny", "DO"): same, ("urban", "DO"): {**same, "fingerprint": "b"}}))
+    assert ["DO", "bunny and urban", "cutoff 0.3, max iterations 9"] in rows
+    rows = cells(settings_table({("bunny", "DO"): same, ("urban", "DO"): other}))
+    assert ["DO", "urban", "cutoff 0.4"] in rows
+    assert ["CPD, tuned", "", "not run"] in rows
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.00004, "0.04 ms"), (0.0058, "5.80 ms"), (0.1234, "123 ms"), (0.99996, "1.00 s"), (12.34, "12.3 s")],
+)
+def test_times_read_well(seconds: float, text: str):
+    assert time_text(seconds) == text
+
+
+# the tables as files
+
+
+def test_tables_come_back_from_csv_as_the_numbers_they_are(folder: Path, results: Results):
+    for table in PAPER_TABLES:
+        rows = read_csv(folder / "tables" / f"{table.dataset}-{table.score}.csv")
+        assert len(rows) == len(COMPARED_METHODS) * len(ROW_NAMES)
+        for row in rows:
+            found = sweep_estimate(
+                results.where(dataset=table.dataset, method=row["method"]), row["sweep"], table.score
+            )
+            assert row["status"] == found.status
+            assert float(row["mean"] or "nan") == pytest.approx(found.mean, nan_ok=True, abs=0)
+            assert float(row["half_of_95_percent_interval"] or "nan") == pytest.approx(found.half, nan_ok=True, abs=0)
+            family = next(f for f in FAMILIES if row["method"] in dict(f.variants).values())
+            printed = table.values[row["sweep"]][family.paper] if family.paper else None
+            assert row["paper"] == ("" if printed is None else str(printed))
+
+
+def test_the_levels_file_has_every_level_that_was_run_and_no_other(folder: Path, results: Results):
+    rows = read_csv(folder / "tables" / "levels.csv")
+    assert sum(int(row["scenes"]) for row in rows) == len(results)
+    for row in rows:
+        here = results.where(method=row["method"], sweep=row["sweep"], level=float(row["level"]))
+        assert float(row["accuracy_mean"]) == pytest.approx(here.accuracy.mean())
+        assert float(row["median_seconds"]) == pytest.approx(float(np.median(here.seconds[np.isfinite(here.rmse)])))
+
+
+# methods and figures
+
+
+def test_every_method_belongs_to_one_family_and_all_families_look_different():
+    assert sorted(COMPARED_METHODS) == sorted([*LEARNED, *BASELINES])
+    assert len({family.color for family in FAMILIES}) == len({family.marker for family in FAMILIES}) == len(FAMILIES)
+
+
+def test_a_sweep_is_drawn_at_its_means_and_only_where_it_was_run(results: Results):
+    figure = sweeps_figure(results, "bunny", "accuracy")
+    panel = figure.axes[list(ROW_NAMES).index("rotation")]
+    assert len(panel.lines) == len(RUN)
+    icp = next(line for line in panel.lines if line.get_color() == "#E69F00")
+    drawn = np.asarray(icp.get_ydata(), dtype=float)
+    expected = results.where(method="ICP, tuned", sweep="rotation", level=30.0).accuracy.mean()
+    assert drawn[1] == pytest.approx(expected)
+    assert np.isnan(drawn[2:]).all()
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "ICP, tuned" in labels and "CPD, tuned: not run" in labels
+
+
+def test_training_curves_show_the_files_errors():
+    do, improved = (shipped_maps("bunny", name) for name in ("front-back", "triple-binary"))
+    figure = training_figure(do, improved)
+    assert [ax.get_title(loc="left")[:3] for ax in figure.axes] == ["(a)", "(b)", "(c)", "(d)", "(e)", "(f)"]
+    np.testing.assert_allclose(_mean_line(figure.axes[0].lines), improved.curves.mean)
+    np.testing.assert_allclose(_mean_line(figure.axes[1].lines), do.curves.mean)
+    assert len(figure.axes[3].lines) == do.curves.residuals.shape[1] + 3
+
+
+def _mean_line(lines: Sequence[Line2D]) -> np.ndarray:
+    return np.asarray(next(line for line in lines if line.get_label() == "mean").get_ydata())
+
+
+def test_bins_are_drawn_along_a_rising_reference_line_side_by_side():
+    histogram = shipped_maps("bunny", "front-back").histogram
+    order = bin_order(histogram, "reference value")
+    sides = histogram.reference[order].reshape(2, -1)
+    assert (np.diff(sides, axis=1) >= 0).all()
+    assert sorted(order[: len(order) // 2]) == list(range(len(order) // 2))

@@ -1,0 +1,103 @@
+"""The shipped results in the explorer: curves, and the scenes behind them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ido import SHAPES, Cloud, FrontBack, Model, TrainingSettings, load_cloud, shipped_results, train
+from ido.clouds import save_cloud
+from ido.experiments import LEVELS, Results
+from ido.methods import method_names
+from ido_viz.core.library import shipped_library
+from ido_viz.core.run import compute
+from ido_viz.core.state import State, decode, encode
+from ido_viz.panels.sweeps_tab import GROUPS, Choice, curve, rows_of, scene_labels, series_of
+
+
+@pytest.fixture(scope="module")
+def results() -> Results:
+    return shipped_results()
+
+
+def some_rows(results: Results, count: int) -> list[int]:
+    """Quick registrations of all kinds, to run again."""
+    few = np.flatnonzero((results.iterations < 200) & ~((results.sweep == "points") & (results.level > 1000)))
+    return np.random.default_rng(5).choice(few, count, replace=False).tolist()
+
+
+def test_the_results_are_of_every_method_sweep_and_shape(results: Results) -> None:
+    for shape in ("bunny", "urban"):
+        for sweep, levels in LEVELS.items():
+            rows = results.where(dataset=shape, sweep=sweep)
+            assert set(rows.method.tolist()) == set(method_names(shape))
+            assert set(rows.level.tolist()) == set(map(float, levels))
+            for method in method_names(shape):
+                for level in levels:
+                    assert sorted(rows.where(method=method, level=level).trial) == list(range(100))
+
+
+def test_opening_a_registration_shows_what_was_recorded(results: Results) -> None:
+    for i in some_rows(results, 25):
+        sweep = str(results.sweep[i])
+        level = next(value for value in LEVELS[sweep] if value == results.level[i])
+        choice = Choice(str(results.dataset[i]), sweep, level, int(results.trial[i]), str(results.method[i]))
+        state = choice.at(State())
+        assert state.perturbation.seed == results.seed[i]
+        assert state.right == results.method[i] != state.left
+        assert decode(encode(state)) == state
+        side = compute(state, shipped_library()).sides[1]
+        # in the last bits a run on one thread differs, which may end an iteration sooner or later
+        assert abs(side.scores.accuracy[-1] - results.accuracy[i]) <= 0.02, choice
+        assert abs(side.scores.rmse[-1] - results.rmse[i]) <= 0.01, choice
+
+
+def test_the_left_pane_keeps_another_method(results: Results) -> None:
+    assert Choice("bunny", "noise", 0.0, 0, "DO").at(State()).left == "Improved DO"
+    assert Choice("bunny", "noise", 0.0, 0, "DO").at(replace(State(), left="ICP, tuned")).left == "ICP, tuned"
+    odd = replace(State(), left="Improved DO (as printed)")
+    assert Choice("urban", "noise", 0.0, 0, "Improved DO").at(odd).left == "DO"
+
+
+def test_curves_are_the_means_of_the_levels(results: Results) -> None:
+    rows = results.where(dataset="bunny", sweep="rotation")
+    levels = LEVELS["rotation"]
+    values = curve(rows, "DO", "accuracy", levels)
+    for level, value in zip(levels, values, strict=True):
+        chosen = (rows.method == "DO") & (rows.level == level)
+        assert np.isclose(value, rows.accuracy[chosen].mean())
+    assert np.isnan(curve(rows, "no such method", "accuracy", levels)).all()
+
+
+def test_scenes_are_offered_worst_first(results: Results) -> None:
+    rows = results.where(dataset="bunny", sweep="noise")
+    labels = scene_labels(rows, "ICP, default", 0.1)
+    accuracies = [float(text.split()[-1].rstrip(")")) for text in labels]
+    assert accuracies == sorted(accuracies)
+    assert len({text.split()[0] for text in labels}) == len(labels)
+    assert scene_labels(rows, "no such method", 0.1) == ["–"]
+
+
+def test_every_method_can_be_told_apart() -> None:
+    for dark in (False, True):
+        series = [series_of(name, dark) for name in method_names("bunny")]
+        assert len({(its["stroke"], str(its.get("dash"))) for its in series}) == len(series)
+    for group in GROUPS.values():
+        assert {"DO", "Improved DO", "Did nothing"} <= {name for name in method_names("bunny") if group(name)}
+
+
+def test_a_cloud_of_ones_own_has_no_results_and_takes_no_shipped_name(tmp_path: Path) -> None:
+    cloud = tmp_path / "bunny.ply"
+    save_cloud(cloud, np.random.default_rng(0).uniform(-1, 1, (2000, 3)) * [1, 1, 0.999])
+    maps = tmp_path / "own.npz"
+    own = Cloud.of(load_cloud(cloud))
+    train(own, FrontBack(Model.of(own, 60)), TrainingSettings(samples=60, maps=2)).save(maps)
+    library, name = shipped_library().with_own(cloud, [maps])
+    assert name not in SHAPES
+    assert library.methods("bunny") == shipped_library().methods("bunny")
+    rows, why = rows_of(name, "noise")
+    assert len(rows) == 0
+    assert "shipped shapes only" in why

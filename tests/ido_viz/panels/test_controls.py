@@ -1,0 +1,127 @@
+"""The widgets of a page, made on a real server without a browser: what they show is what they are read as."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
+
+import pytest
+import viser
+
+import ido_viz
+from ido import RANGES, Perturbation
+from ido.perturbation import LARGEST_SEED
+from ido_viz.core.actions import Actions
+from ido_viz.core.library import shipped_library
+from ido_viz.core.state import LAST, LONGEST_RUN, State
+from ido_viz.panels.controls import Controls
+
+LIBRARY = shipped_library()
+LOWEST = Perturbation(noise=0.0, points=100, outliers=0, incomplete=0.0, rotation=0.0, translation=0.0, seed=0)
+HIGHEST = Perturbation(
+    noise=0.1,
+    points=4000,
+    outliers=600,
+    incomplete=0.7,
+    rotation=180.0,
+    translation=1.0,
+    outlier_kind="structured",
+    seed=LARGEST_SEED,
+)
+STATES = [
+    State(),
+    State(perturbation=LOWEST, max_iterations=1, speed=1, epsilon=1e-5, pinned_map=1),
+    State(perturbation=HIGHEST, max_iterations=LONGEST_RUN, speed=60, epsilon=0.1, pinned_map=30),
+    State(left="Improved DO (as printed)", right="DO", order="azimuth", difference=True, ghost=False, dark=True),
+    LIBRARY.at_shape(State(left="Improved DO", right="DO", order="elevation"), "urban"),
+    State(iteration=LAST, playing=False),
+    State(error_vectors=True, overlay="another iteration", overlaid_iteration=7, large_text=True),
+    State(overlay="other method", hidden=("scores", "methods", "lower charts")),
+]
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def controls(server: viser.ViserServer) -> Iterator[Controls]:
+    server.gui.reset()
+    yield controls_for(server, State())
+    server.gui.reset()
+
+
+def controls_for(server: viser.ViserServer, state: State) -> Controls:
+    def nothing(*_: object) -> None:
+        pass
+
+    actions = Actions(*[nothing] * len(fields(Actions)))
+    return Controls(cast(viser.ClientHandle, SimpleNamespace(gui=server.gui)), LIBRARY, state, actions)
+
+
+@pytest.mark.parametrize("state", STATES, ids=range(len(STATES)))
+def test_widgets_made_for_a_state_are_read_as_it(server: viser.ViserServer, state: State):
+    server.gui.reset()
+    assert controls_for(server, state).read(state) == (state, True)
+
+
+@pytest.mark.parametrize("state", STATES, ids=range(len(STATES)))
+def test_a_shown_state_is_read_as_it(controls: Controls, state: State):
+    controls.show(state)
+    moved_on = replace(State(), iteration=state.iteration, playing=state.playing)
+    assert controls.read(moved_on) == (state, True)
+
+
+def test_states_shown_one_after_another_leave_nothing_behind(controls: Controls):
+    for state in [*STATES, *STATES[::-1]]:
+        controls.show(state)
+        assert controls.read(state) == (state, True)
+
+
+def test_reading_keeps_what_no_widget_shows(controls: Controls):
+    controls.show(State())
+    for state in (State(iteration=5), State(iteration=LAST, playing=False)):
+        assert controls.read(state)[0] == state
+
+
+def test_values_beyond_the_widgets_are_brought_into_their_range(controls: Controls):
+    for name, allowed in RANGES.items():  # as a client may send them, whatever its widgets allow
+        controls._inputs[name].value = int(allowed.limit) if name in ("points", "outliers") else allowed.limit
+    controls._inputs["epsilon"].value = 1.0
+    controls._inputs["seed"].value = LARGEST_SEED
+    state, usable = controls.read(State())
+    assert not usable
+    assert state.perturbation == replace(HIGHEST, outlier_kind="uniform")
+    assert state.epsilon == 0.1
+
+
+def test_a_method_that_another_shape_lacks_gives_way_to_a_learned_one(controls: Controls) -> None:
+    state = State(left="ICP, tuned", right="Improved DO (as printed)")
+    controls.show(state)
+    inputs = controls._inputs
+    inputs["shape"].value = "urban"
+    read, _ = controls.read(state)
+    at_urban = LIBRARY.at_shape(read, "urban")
+    assert (at_urban.left, at_urban.right) == ("ICP, tuned", "Improved DO")
+
+
+def test_every_control_has_a_hint():
+    """Of everything that a person can click or type into, in all of the page."""
+    kinds = ("button", "button_group", "checkbox", "dropdown", "multi_slider", "number", "rgb", "slider", "text")
+    adding = {f"add_{kind}" for kind in kinds}
+    without, found = [], 0
+    for path in Path(ido_viz.__path__[0]).glob("*.py"):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr in adding:
+                found += 1
+                if not any(keyword.arg == "hint" for keyword in call.keywords):
+                    without.append(f"{path.name}:{call.lineno}")
+    assert found > 25
+    assert without == []
