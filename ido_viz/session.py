@@ -265,8 +265,9 @@ class Session:
 
     def _read(self) -> bool:
         """Take over the controls' values; whether the controls must be shown what became of them."""
+        if self._page is None:  # still being built
+            return False
         self._read_controls = False
-        assert self._page is not None  # whose widgets else have changed?
         shape = self._state.shape
         self._state, usable = self._page.read(self._state)
         if self._state.shape != shape:

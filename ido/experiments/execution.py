@@ -117,7 +117,7 @@ class Experiment:
 
     def dataset_settings(self) -> dict[str, Settings]:
         """How the scenes of each dataset are made, before a sweep varies them."""
-        levels = {sweep: list(values) for sweep, values in LEVELS.items()}  # a scene's seed depends on its place there
+        levels = {sweep: list(values) for sweep, values in LEVELS.items()}  # they decide which scenes are drawn
         return {
             shape: asdict(_base(shape))
             | {"seed": self.seed, "levels": levels, "fingerprint": _fingerprint(shipped_cloud(shape).points)}

@@ -18,8 +18,10 @@ from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, MOST_MAPS, BinOrder, 
 from ido_viz.panels.playback import Playback
 from ido_viz.panels.sharing import ShareFolder
 
+_AFTER_ALL_ELSE = 1e9  # viser counts on from 0 for what brings no order, over all pages
 FOLDER_ORDER: dict[Part, float] = {
-    part: 1000 + place for place, part in enumerate(("scene", "presets", "methods", "view", "share", "download"))
+    part: _AFTER_ALL_ELSE + place
+    for place, part in enumerate(("scene", "presets", "methods", "view", "share", "download"))
 }
 """Of the folders below the playback, from above."""
 

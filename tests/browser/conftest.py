@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import Explorer
+from explorer import AT_THE_END, SMALL, Explorer, OpenExplorer
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz.app import App
-from ido_viz.core.state import LAST, State
+from ido_viz.core.state import State
 
 FLAGS = [
     "--no-sandbox",
@@ -26,10 +26,6 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-SMALL = (1200, 700)  # software rendering takes its time for each pixel
-AT_THE_END = State(playing=False, iteration=LAST)
-
-OpenExplorer = Callable[..., Explorer]
 
 
 def chromium() -> str | None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
-from explorer import Explorer, box_of
+from explorer import Explorer, OpenExplorer, box_of
 from playwright.sync_api import Locator
 
 from ido_viz.core.state import encode
-
-OpenExplorer = Callable[..., Explorer]
 
 
 def test_parts_hidden_by_a_lecturer_are_hidden_by_the_code_and_come_back(open_explorer: OpenExplorer):

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
 
 import numpy as np
 import pytest
-from explorer import Explorer, box_of, like
+from explorer import Explorer, OpenExplorer, box_of, like
 from PIL import Image
 
 from ido_viz.core import palette
 from ido_viz.core.state import LAST, State
-
-OpenExplorer = Callable[..., Explorer]
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 AT_THE_START = State(playing=False, iteration=0)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
-from explorer import Explorer
+from explorer import Explorer, OpenExplorer
 
 from ido_viz.core.state import LAST, State
-
-OpenExplorer = Callable[..., Explorer]
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 AT_THE_START = State(playing=False, iteration=0)

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SMALL
-from explorer import Explorer
+from explorer import SMALL, Explorer
 from playwright.sync_api import Browser, ViewportSize
 
 from ido import Cloud

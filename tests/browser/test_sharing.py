@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from explorer import Explorer
+from explorer import AT_THE_END, Explorer, OpenExplorer
 
 from ido import Perturbation
 from ido_viz.core.state import State, encode
-
-OpenExplorer = Callable[..., Explorer]
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 ELSEWHERE = State(
@@ -65,3 +62,11 @@ def test_one_tab_s_code_gives_the_same_page_in_another(open_explorer: OpenExplor
     other.paste(one.code())
     other.expect_numbers(shared)
     assert other.numbers() == one.numbers()
+
+
+def test_a_page_with_a_map_that_its_methods_lack_appears_and_shows_their_last(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_END, pinned_map=40))
+    explorer.wait_until("the pinned maps", lambda: explorer.page.get_by_text("map 30 of 30 (pinned)").count() == 2)
+    explorer.paste(encode(replace(AT_THE_END, pinned_map=1000)))
+    explorer.expect_alive()
+    assert explorer.notifications() == []

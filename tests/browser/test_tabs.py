@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from explorer import Explorer
+from explorer import Explorer, OpenExplorer
 from playwright.sync_api import Browser
 
 from ido_viz.app import App
 from ido_viz.core.state import LAST, State
-
-OpenExplorer = Callable[..., Explorer]
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 

@@ -18,6 +18,9 @@ from ido_viz.core.library import shipped_library
 from ido_viz.core.run import MethodRun, Run, compute
 from ido_viz.core.state import LAST, State, decode
 
+SMALL = (1200, 700)  # software rendering takes its time for each pixel
+AT_THE_END = State(playing=False, iteration=LAST)
+
 PATIENCE = 45.0  # seconds; only a failing test waits that long
 BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
 SETTLING = 400  # milliseconds in which a late frame would show
@@ -73,6 +76,10 @@ def numbers_of(state: State) -> Numbers:
         )
     names = ("Iteration", "Next update", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")
     return {name: (left, right) for name, left, right in zip(names, *rows, strict=True)}
+
+
+OpenExplorer = Callable[..., "Explorer"]
+"""Opens a page; see `conftest.open_explorer`."""
 
 
 class Explorer:

@@ -38,6 +38,19 @@ class Drawn:
     iteration: int
 
 
+class Widgets:
+    """Stands for a page's widgets where there is no page: what is written there."""
+
+    def __init__(self) -> None:
+        self.written: list[str] = []
+
+    def reset(self) -> None:
+        self.written.clear()
+
+    def add_html(self, content: str) -> None:
+        self.written.append(content)
+
+
 class Tab:
     """A browser tab as its session knows it, with widgets that hold values, and a person who uses them."""
 
@@ -45,6 +58,7 @@ class Tab:
         self.client_id = id(self)
         self.frames: list[Drawn] = []
         self.notes: list[str] = []
+        self.gui = Widgets()
         self.widgets = state
         self.may_cancel = False
         self.actions = cast(Actions, None)

@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from ido import RANGES, Cloud, Perturbation, Scene, perturb, poses
+from ido import RANGES, Cloud, Perturbation, Scene, TrainingSettings, perturb, perturbation, poses, training
 from ido.perturbation import LARGEST_SEED, OUTLIER_REACH, STRUCTURED_DEVIATION
 from ido.types import FloatArray
 
@@ -212,3 +212,18 @@ def test_structured_outliers_are_one_ball(bunny: Cloud, seed: int):
 def test_values_out_of_range_are_refused(values: dict[str, Any], message: str):
     with pytest.raises(ValueError, match=message):
         Perturbation(**values)
+
+
+def test_the_order_of_the_table_of_ranges_decides_nothing(bunny: Cloud, monkeypatch: pytest.MonkeyPatch):
+    def drawn() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        scenes, x_true = training.training_scenes(bunny, TrainingSettings(samples=3))
+        return perturb(bunny, Perturbation(seed=5)).points, scenes.points, x_true
+
+    before = drawn()
+    np.testing.assert_allclose(before[0][0], [0.2507, 0.2261, -0.0913], atol=1e-4)
+    np.testing.assert_allclose(before[2][0], [0.0895, 0.1348, 0.2367, -1.207, 0.009, -0.4182], atol=1e-4)
+    turned = dict(reversed(RANGES.items()))
+    for module in (perturbation, training):
+        monkeypatch.setattr(module, "RANGES", turned)
+    for old, new in zip(before, drawn(), strict=True):
+        np.testing.assert_array_equal(old, new)

@@ -65,3 +65,20 @@ def test_a_file_without_a_column_is_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "results.npz", accuracy=np.zeros(3))
     with pytest.raises(ResultsError, match="not a results file"):
         Results.load(tmp_path / "results.npz")
+
+
+def test_a_save_that_fails_leaves_the_old_file_and_nothing_else(
+    results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "results.npz"
+    results.save(path)
+    before = path.read_bytes()
+
+    def full(self: Path, target: Path) -> Path:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        results.where(dataset="urban").save(path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]

@@ -355,6 +355,21 @@ def test_errors_while_playing_do_not_flood_the_page(tab: Tab, computing: Computi
     assert len(tab.notes) <= 2
 
 
+def test_a_page_that_cannot_be_built_says_why_and_the_tab_can_be_closed(
+    computing: Computing, monkeypatch: pytest.MonkeyPatch
+):
+    def broken(*_: object) -> None:
+        raise ValueError("no <b>room</b> for it")
+
+    monkeypatch.setattr(session_module, "Page", broken)
+    tab = Tab(PAUSED)
+    tab.wait("a note", lambda: bool(tab.notes))
+    assert tab.notes == ["This page cannot be shown: ValueError: no <b>room</b> for it"]
+    (told,) = tab.gui.written
+    assert "ValueError: no &lt;b&gt;room&lt;/b&gt; for it" in told
+    tab.session.close()
+
+
 # The end
 
 

@@ -1,10 +1,12 @@
 """The sweeps' scenes and their summary."""
 
+from __future__ import annotations
+
 import numpy as np
 import pytest
 
 from ido import Perturbation, shipped_cloud
-from ido.experiments import LEVELS, mean_and_interval, sweep_scenes
+from ido.experiments import LEVELS, mean_and_interval, sweep_scenes, sweeps
 
 
 def test_the_interval_covers_the_truth_19_times_out_of_20():
@@ -25,3 +27,24 @@ def test_a_sweep_varies_one_perturbation_and_draws_every_scene_anew():
     poses = [scene.T_model_scene.tobytes() for level in levels for scene in level]
     assert len(set(poses)) == len(poses)
     assert all((~scene.is_outlier).sum() == 280 for level in levels for scene in level)
+
+
+def test_the_seeds_of_the_published_scenes_stay_and_do_not_depend_on_the_order_of_a_table(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    def seeds() -> dict[str, int]:
+        levels = {name: sorted(its.levels)[1] for name, its in sweeps.SWEEPS.items()}
+        return {n: sweeps.level_scene(Perturbation(), n, level, 2, 100, 1_000_000).seed for n, level in levels.items()}
+
+    published = {
+        "noise": 1_000_102,
+        "points": 1_010_102,
+        "outliers": 1_020_102,
+        "incomplete": 1_030_102,
+        "rotation": 1_040_102,
+        "translation": 1_050_102,
+    }
+    assert seeds() == published
+    turned = {n: sweeps.Sweep(its.number, dict(reversed(list(its.levels.items())))) for n, its in sweeps.SWEEPS.items()}
+    monkeypatch.setattr(sweeps, "SWEEPS", dict(reversed(turned.items())))
+    assert seeds() == published

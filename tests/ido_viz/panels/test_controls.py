@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
 
+import numpy as np
 import pytest
 import viser
 
@@ -16,8 +17,10 @@ import ido_viz
 from ido import RANGES, Perturbation
 from ido.perturbation import LARGEST_SEED
 from ido_viz.core.actions import Actions
+from ido_viz.core.frame import frame_of
 from ido_viz.core.library import shipped_library
-from ido_viz.core.state import LAST, LONGEST_RUN, State
+from ido_viz.core.run import compute
+from ido_viz.core.state import LAST, LONGEST_RUN, MOST_MAPS, State
 from ido_viz.panels.controls import Controls
 
 LIBRARY = shipped_library()
@@ -41,6 +44,8 @@ STATES = [
     State(iteration=LAST, playing=False),
     State(error_vectors=True, overlay="another iteration", overlaid_iteration=7, large_text=True),
     State(overlay="other method", hidden=("scores", "methods", "lower charts")),
+    State(pinned_map=40),  # more than the shipped methods have: another's code
+    State(pinned_map=MOST_MAPS),
 ]
 
 
@@ -110,6 +115,23 @@ def test_a_method_that_another_shape_lacks_gives_way_to_a_learned_one(controls: 
     read, _ = controls.read(state)
     at_urban = LIBRARY.at_shape(read, "urban")
     assert (at_urban.left, at_urban.right) == ("ICP, tuned", "Improved DO")
+
+
+def test_every_map_of_the_shown_methods_can_be_pinned_and_no_other(controls: Controls) -> None:
+    state = State(perturbation=Perturbation(points=100), max_iterations=3)
+    run = compute(state, LIBRARY)
+    assert run.sides[0].maps is not None
+    maps = replace(run.sides[0].maps, maps=np.repeat(run.sides[0].maps.maps, 2, axis=0)[:50])
+    with_50 = replace(run, sides=(replace(run.sides[0], maps=maps), run.sides[1]))
+    slider = controls._inputs["pinned_map"]
+    for shown, most in ((with_50, 50), (run, 30)):
+        controls.draw(frame_of(shown, state), may_cancel=False)
+        assert slider.max == most
+    controls.draw(frame_of(with_50, state), may_cancel=False)
+    controls._inputs["follow"].value, slider.value = False, 47
+    pinned, usable = controls.read(state)
+    assert usable and pinned.pinned_map == 47
+    assert [side.shown_map for side in frame_of(with_50, pinned).sides] == [47, 30]
 
 
 def test_every_control_has_a_hint():
