@@ -6,6 +6,7 @@ import csv
 import re
 from collections.abc import Sequence
 from html.parser import HTMLParser
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ from ido.shipped import shipped_maps, shipped_results
 
 SETTINGS = {("bunny", name): {"cutoff": 0.3, "fingerprint": "f00d"} for name in ("DO", "ICP, tuned", "Did nothing")}
 RUN = ("DO", "ICP, tuned", "Did nothing")
+RESULTS_TEXT = (Path(__file__).parents[3] / "assets" / "docs" / "results.md").read_text(encoding="utf-8")
 MISSING_LEVELS = ("ICP, tuned", "rotation", 2)
 """A method, a sweep and how many of its levels were run."""
 
@@ -109,8 +111,7 @@ def test_the_papers_tables_hold_what_it_prints():
 
 def document_tables() -> dict[str, list[list[str]]]:
     """All tables of the results document that the script writes, by name; the cells of each, the head first."""
-    text = (Path(__file__).parents[3] / "assets" / "docs" / "results.md").read_text(encoding="utf-8")
-    parts = re.findall(r"<!-- begin (\S+) -->\n(.*?)\n<!-- end", text, re.DOTALL)
+    parts = re.findall(r"<!-- begin (\S+) -->\n(.*?)\n<!-- end", RESULTS_TEXT, re.DOTALL)
     return {
         name: [[cell.strip() for cell in line[1:-1].split("|")] for line in part.splitlines() if "---" not in line]
         for name, part in parts
@@ -175,6 +176,12 @@ def test_the_documents_differences_are_those_on_the_same_scenes():
     near = next(row for row in rows if row[1] == "Improved DO (near / far) - Improved DO")
     means, halves = zip(*(map(float, text.split(" ± ")) for text in near[2:]), strict=True)
     assert all(abs(mean) < half for mean, half in zip(means, halves, strict=True)), "the text says they are equal"
+    told = re.findall(r"[+-]\d\.\d{3} ± \d\.\d{3}", RESULTS_TEXT[RESULTS_TEXT.index("## What this says") :])
+    assert told and set(told) <= {text for row in rows for text in row}
+    for method, error in (("triple-binary", "0.0036"), ("front-back", "0.0077"), ("quadruple-binary", "0.0014")):
+        assert f"{shipped_maps('bunny', method).curves.mean[-1]:.4f}" == error and error in RESULTS_TEXT
+    curves = [shipped_maps("bunny", name).curves.mean for name in ("front-back", "triple-binary", "quadruple-binary")]
+    assert all((better[1:] < worse[1:]).all() for worse, better in pairwise(curves)), "the text says so"
 
 
 def test_exactly_the_repeated_rows_are_marked():
