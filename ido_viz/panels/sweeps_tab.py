@@ -94,10 +94,11 @@ def _offer(dropdown: Any, options: tuple[str, ...]) -> None:
 
 
 def series_of(method: str, dark: bool) -> dict[str, Any]:
-    """How a method is drawn: its family's colour, dashed where it is not at its best."""
+    """How a method is drawn: its family's colour, and dashes for each variant but the first."""
     its = next(family for family in FAMILIES if method in (name for _, name in family.variants))
     color = palette.css(palette.ink(dark)) if its.color == BLACK else its.color
-    dashes = {} if method == its.main else {"dash": [5, 4]}
+    number = [name for _, name in its.variants].index(method)
+    dashes = {"dash": [5 // number, 4]} if number else {}
     return {"label": method, "stroke": color, "width": 2, "points": {"show": True, "size": 4, "fill": color}, **dashes}
 
 

@@ -17,7 +17,6 @@ from ido_viz.app import App
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import MethodRun, Run, compute
 from ido_viz.core.state import LAST, State, decode
-from ido_viz.panels.readout import verdict
 
 PATIENCE = 45.0  # seconds; only a failing test waits that long
 BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
@@ -69,7 +68,7 @@ def numbers_of(state: State) -> Numbers:
                 f"{side.scores.rmse[k]:.4f}",
                 f"{side.scores.rotation[k]:.2f}°",
                 f"{side.scores.translation[k]:.4f}",
-                verdict(side, k),
+                "moving" if k < n else f"{side.trajectory.stop}, {side.verdict(k)}",
             )
         )
     names = ("Iteration", "Next update", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")

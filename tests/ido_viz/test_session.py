@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tab import LENGTH, PAUSED, QUIET, Computing, Frame, Tab, WidgetsOfTab
+from tab import LENGTH, PAUSED, QUIET, Computing, Drawn, PageOfTab, Tab
 
 from ido import Perturbation
 from ido_viz import session as session_module
@@ -22,7 +22,7 @@ from ido_viz.core.run import compute
 from ido_viz.core.state import LAST, State, encode
 
 
-def assert_shows_its_own_run(frame: Frame) -> None:
+def assert_shows_its_own_run(frame: Drawn) -> None:
     """The drawn run is the one of the drawn state."""
     expected = compute(frame.state, shipped_library())
     np.testing.assert_array_equal(frame.run.scene.points, expected.scene.points)
@@ -335,11 +335,11 @@ def test_an_error_in_a_frame_is_told_and_the_next_frame_is_drawn(tab: Tab, compu
 
 
 def test_an_error_while_reading_the_widgets_does_not_end_the_session(tab: Tab, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(WidgetsOfTab, "fail_reading", True)
+    monkeypatch.setattr(PageOfTab, "fail_reading", True)
     tab.set(noise=0.03)
     tab.wait("a note or the end", lambda: bool(tab.notes) or not tab.is_served)
     assert tab.is_served
-    monkeypatch.setattr(WidgetsOfTab, "fail_reading", False)
+    monkeypatch.setattr(PageOfTab, "fail_reading", False)
     tab.set(noise=0.04)
     assert tab.settle().state.perturbation.noise == 0.04
 

@@ -24,6 +24,7 @@ from ido import FrontBack
 from ido.methods import method_names
 from ido.types import FloatArray
 from ido_viz.core.run import Run
+from ido_viz.core.verdict import Verdict
 
 
 def _sees_something(run: Run) -> FloatArray:
@@ -55,10 +56,10 @@ CHECKS: dict[str, Check] = {
         ("GMMReg, tuned", "0.85"), ("CPD, tuned", "0.86"), sweep="translation", level=0.8
     ),
     "dark/learned-put-fewer-right": means(("DO", "0.30"), ("Improved DO", "0.39"), sweep="translation", level=0.8),
-    "dark/improved-do-in-place": ends("in place", RIGHT),
-    "dark/do-wrong": ends("wrong pose", LEFT),
+    "dark/improved-do-in-place": ends(Verdict.IN_PLACE, RIGHT),
+    "dark/do-wrong": ends(Verdict.WRONG_POSE, LEFT),
     "dark/another-seed-the-other-way-round": at(
-        page_of_step("dark", 4, seed=3), all_of(ends("in place", LEFT), ends("wrong pose", RIGHT))
+        page_of_step("dark", 4, seed=3), all_of(ends(Verdict.IN_PLACE, LEFT), ends(Verdict.WRONG_POSE, RIGHT))
     ),
     "dark/ahead-when-far": means(("Improved DO", "0.39"), ("DO", "0.30"), sweep="translation", level=0.8),
     "dark/behind-when-nearer": means(("Improved DO", "0.53"), ("DO", "0.58"), sweep="translation", level=0.6),

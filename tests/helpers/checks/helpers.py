@@ -15,7 +15,7 @@ from ido.types import FloatArray
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import MethodRun, Run, compute
 from ido_viz.core.state import State, with_values
-from ido_viz.panels.readout import verdict
+from ido_viz.core.verdict import Verdict
 from ido_viz.teach.lessons import lesson
 from ido_viz.teach.presets import presets
 
@@ -43,17 +43,12 @@ def run_of(state: State) -> Run:
     return compute(state, shipped_library())
 
 
-def ends(place: str, *sides: int) -> Check:
-    """Whether the sides end as the page puts it: "in place", "nearly in place" or "wrong pose"."""
-
-    def check(run: Run) -> bool:
-        ended = [run.sides[side] for side in sides]
-        return all(verdict(side, side.trajectory.iterations).endswith(f", {place}") for side in ended)
-
-    return check
+def ends(verdict: Verdict, *sides: int) -> Check:
+    """Whether the sides end so."""
+    return lambda run: all(run.sides[side].verdict(run.iterations) is verdict for side in sides)
 
 
-both_in_place, both_wrong = ends("in place", *BOTH), ends("wrong pose", *BOTH)
+both_in_place, both_wrong = ends(Verdict.IN_PLACE, *BOTH), ends(Verdict.WRONG_POSE, *BOTH)
 
 
 def all_of(*checks: Check) -> Check:

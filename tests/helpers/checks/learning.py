@@ -12,6 +12,7 @@ from ido import Maps, Perturbation, TrainingSettings, perturb, register, score, 
 from ido.training import training_scenes
 from ido_viz.core.library import OVERFITTED, shipped_library
 from ido_viz.core.run import Run
+from ido_viz.core.verdict import Verdict
 
 _STRONGER_RIDGE = TrainingSettings(samples=500, ridge=0.2)
 
@@ -58,8 +59,8 @@ CHECKS: dict[str, Check] = {
     "overfitting/errors-after-the-last-map": lambda run: (
         f"{training_error(run, LEFT):.3f}" == "0.008" and f"{training_error(run, RIGHT):.6f}" == "0.000005"
     ),
-    "overfitting/left-in-place": ends("in place", LEFT),
-    "overfitting/right-wrong": ends("wrong pose", RIGHT),
+    "overfitting/left-in-place": ends(Verdict.IN_PLACE, LEFT),
+    "overfitting/right-wrong": ends(Verdict.WRONG_POSE, RIGHT),
     "overfitting/right-fails-nearly-always": lambda run: np.allclose(
         [_accuracy(its.maps, 60) for its in run.sides if its.maps], (0.97, 0.05), atol=0.02
     ),

@@ -16,7 +16,7 @@ from checks.helpers import (
     means,
     page_of_step,
 )
-from ido.histograms import SIGMA2
+from ido.blocks import SIGMA2
 from ido.types import FloatArray
 from ido_viz.core.run import Run
 

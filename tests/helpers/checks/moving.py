@@ -20,7 +20,8 @@ from checks.helpers import (
     training_error,
 )
 from ido import perturb, register, score
-from ido_viz.core.run import Run, norms
+from ido_viz.core.run import Run
+from ido_viz.core.verdict import Verdict
 
 
 def _first_step_is_mostly_better(run: Run) -> bool:
@@ -44,7 +45,7 @@ def _stop_of_paper(run: Run, side: int) -> int:
     """Iteration at which the paper's ε would have stopped a side: the first small update after the last map."""
     its = run.sides[side]
     assert its.maps is not None
-    small = np.flatnonzero(norms(its) < PAPERS_EPSILON)
+    small = np.flatnonzero(its.norms < PAPERS_EPSILON)
     return int(small[small >= len(its.maps.maps)][0])
 
 
@@ -60,11 +61,11 @@ CHECKS: dict[str, Check] = {
     "two-more/do-is-still-far": lambda run: rotation_error(run, LEFT, 3) > 30,
     "two-more/improved-do-is-near": lambda run: rotation_error(run, RIGHT, 3) < 5,
     "two-more/first-iteration-mostly-better": _first_step_is_mostly_better,
-    "two-more/do-in-place": ends("in place", LEFT),
-    "two-more/improved-do-in-place": ends("in place", RIGHT),
+    "two-more/do-in-place": ends(Verdict.IN_PLACE, LEFT),
+    "two-more/improved-do-in-place": ends(Verdict.IN_PLACE, RIGHT),
     "two-more/both-near-after-ten": lambda run: all(rotation_error(run, side, 10) < 5 for side in BOTH),
-    "two-more/do-wrong": ends("wrong pose", LEFT),
-    "two-more/improved-do-right": ends("in place", RIGHT),
+    "two-more/do-wrong": ends(Verdict.WRONG_POSE, LEFT),
+    "two-more/improved-do-right": ends(Verdict.IN_PLACE, RIGHT),
     "two-more/a-little-better-when-turned": means(("DO", "0.69"), ("Improved DO", "0.75"), sweep="rotation", level=90),
     "two-more/equal-over-all": means(("DO", "0.81"), ("Improved DO", "0.81")),
     "two-more/half-the-training-error": lambda run: training_error(run, RIGHT) < 0.5 * training_error(run, LEFT),

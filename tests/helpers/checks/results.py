@@ -19,6 +19,7 @@ from checks.helpers import (
 from ido.attribution import Attribution
 from ido.types import FloatArray
 from ido_viz.core.run import Run
+from ido_viz.core.verdict import Verdict
 
 
 def _turn_about_z(run: Run, side: int) -> float:
@@ -48,19 +49,19 @@ def _few_in_front(run: Run) -> float:
 
 
 CHECKS: dict[str, Check] = {
-    "settings/gmmreg-default-wrong": ends("wrong pose", LEFT),
-    "settings/gmmreg-tuned-in-place": ends("in place", RIGHT),
+    "settings/gmmreg-default-wrong": ends(Verdict.WRONG_POSE, LEFT),
+    "settings/gmmreg-tuned-in-place": ends(Verdict.IN_PLACE, RIGHT),
     "settings/gmmreg-over-all": means(("GMMReg, default", "0.08"), ("GMMReg, tuned", "0.79")),
-    "settings/cpd-default-wrong": ends("wrong pose", LEFT),
-    "settings/cpd-tuned-in-place": ends("in place", RIGHT),
+    "settings/cpd-default-wrong": ends(Verdict.WRONG_POSE, LEFT),
+    "settings/cpd-tuned-in-place": ends(Verdict.IN_PLACE, RIGHT),
     "settings/cpd-over-all": means(("CPD, default", "0.10"), ("CPD, tuned", "0.74")),
-    "settings/cpd-default-without-outliers": at(page_of_step("settings", 2, outliers=0), ends("in place", LEFT)),
-    "settings/do-in-place": ends("in place", LEFT),
-    "settings/gmmreg-wrong": ends("wrong pose", RIGHT),
+    "settings/cpd-default-without-outliers": at(page_of_step("settings", 2, outliers=0), ends(Verdict.IN_PLACE, LEFT)),
+    "settings/do-in-place": ends(Verdict.IN_PLACE, LEFT),
+    "settings/gmmreg-wrong": ends(Verdict.WRONG_POSE, RIGHT),
     "settings/do-ahead-when-turned": means(("DO", "0.69"), ("GMMReg, tuned", "0.37"), sweep="rotation", level=90),
     "settings/nearly-equal-over-all": means(("DO", "0.81"), ("GMMReg, tuned", "0.79")),
-    "failure/do-in-place": ends("in place", LEFT),
-    "failure/improved-do-wrong": ends("wrong pose", RIGHT),
+    "failure/do-in-place": ends(Verdict.IN_PLACE, LEFT),
+    "failure/improved-do-wrong": ends(Verdict.WRONG_POSE, RIGHT),
     "failure/front-and-back-miss-the-ball": lambda run: float(change_by_outliers(run, LEFT)[0]) < 1e-3,
     "failure/angles-see-the-ball": lambda run: bool(np.all(change_by_outliers(run, RIGHT)[1:] > 0.4)),
     "failure/most-of-what-they-count": lambda run: bool(run.scene.is_outlier.mean() > 0.5),
@@ -73,11 +74,11 @@ CHECKS: dict[str, Check] = {
     "failure/both-turn-the-wrong-way": lambda run: (
         _turn_about_z(run, LEFT) < 0 and _turn_about_z(run, RIGHT) < 2 * _turn_about_z(run, LEFT)
     ),
-    "failure/do-finds-back": ends("in place", LEFT),
-    "failure/improved-do-rests-elsewhere": ends("wrong pose", RIGHT),
+    "failure/do-finds-back": ends(Verdict.IN_PLACE, LEFT),
+    "failure/improved-do-rests-elsewhere": ends(Verdict.WRONG_POSE, RIGHT),
     "failure/no-ball-both-in-place": both_in_place,
-    "as-printed/printed-wrong": ends("wrong pose", LEFT),
-    "as-printed/ours-in-place": ends("in place", RIGHT),
+    "as-printed/printed-wrong": ends(Verdict.WRONG_POSE, LEFT),
+    "as-printed/ours-in-place": ends(Verdict.IN_PLACE, RIGHT),
     "as-printed/printed-behind-over-all": means(("Improved DO (as printed)", "0.70"), ("Improved DO", "0.81")),
     "as-printed/little-lies-in-front": lambda run: _few_in_front(run) > 0.5,
     "as-printed/printed-is-blind-in-front": lambda run: front_share(run, LEFT, 30) < 0.1,

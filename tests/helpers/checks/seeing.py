@@ -15,7 +15,7 @@ from checks.helpers import (
     page_of_step,
     rotation_error,
 )
-from ido.histograms import SIGMA2, azimuth, elevation
+from ido.blocks import SIGMA2, azimuth, elevation
 from ido.types import BoolArray, DoubleArray
 from ido_viz.core.run import Run
 

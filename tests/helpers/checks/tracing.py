@@ -9,11 +9,12 @@ import numpy as np
 from checks.helpers import LEFT, RIGHT, Check, ends, page_of_step, rotation_error
 from ido import Scene, register, score
 from ido.attribution import bin_name
-from ido.histograms import SIGMA2
+from ido.blocks import SIGMA2
 from ido.poses import transform
 from ido.types import DoubleArray
 from ido_viz.core.inspection import Inspection, inspect
 from ido_viz.core.run import Run
+from ido_viz.core.verdict import Verdict
 
 MISLEADING = page_of_step("misled", 2).inspected
 """Number of the model point whose bin *front* misleads most."""
@@ -24,7 +25,7 @@ _PIECE = page_of_step("misled", 3).scene_point
 
 def _look(run: Run) -> Inspection:
     """What Improved DO makes of the start, towards the true pose."""
-    found = inspect(run, page_of_step("misled", 1), 0)
+    found = inspect(run, page_of_step("misled", 1), 0, RIGHT)
     assert found is not None
     return found
 
@@ -86,11 +87,11 @@ def _still_wrong_without_the_bin(run: Run) -> bool:
 
 def _recovers(run: Run) -> bool:
     """Whether DO's first update leads astray as well, and it ends in place all the same."""
-    return rotation_error(run, LEFT, 1) > rotation_error(run, LEFT, 0) and ends("in place", LEFT)(run)
+    return rotation_error(run, LEFT, 1) > rotation_error(run, LEFT, 0) and ends(Verdict.IN_PLACE, LEFT)(run)
 
 
 CHECKS: dict[str, Check] = {
-    "misled/improved-do-wrong": ends("wrong pose", RIGHT),
+    "misled/improved-do-wrong": ends(Verdict.WRONG_POSE, RIGHT),
     "misled/first-update-leads-astray": lambda run: (
         [f"{rotation_error(run, RIGHT, k):.0f}" for k in (0, 1)] == ["90", "94"]
     ),

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from ido import Perturbation, poses
-from ido_viz.canvas.pane import error_vectors
-from ido_viz.core.inspection import inspect_both
+from ido_viz.core.chart_data import curve, histogram_data
+from ido_viz.core.frame import SideFrame, frame_of
+from ido_viz.core.geometry import error_vectors
 from ido_viz.core.library import shipped_library
-from ido_viz.core.overlay import overlaid
-from ido_viz.core.run import MOST_DISTANCES, Run, bin_order, compute
+from ido_viz.core.overlay import overlay_of
+from ido_viz.core.run import MOST_DISTANCES, Run, compute
 from ido_viz.core.state import BinOrder, State
-from ido_viz.panels.histograms_tab import curve, histogram_data
 
 STATE = State(perturbation=Perturbation(seed=5), inspected=42)
 
@@ -25,12 +25,14 @@ def run() -> Run:
     return compute(STATE, shipped_library())
 
 
+def side_at(run: Run, state: State, iteration: int, pane: int) -> SideFrame:
+    return frame_of(run, replace(state, iteration=iteration)).sides[pane]
+
+
 def drawn(run: Run, state: State, iteration: int, pane: int) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """The order of the bins and the columns that are drawn."""
-    inspection = inspect_both(run, state, iteration)[pane]
-    assert inspection is not None
-    order = bin_order(run.sides[pane].histogram, state.order, inspection.values)
-    return order, histogram_data(run.sides[pane], state, order, inspection.seen, None)
+    side = side_at(run, state, iteration, pane)
+    return side.order, histogram_data(side, state)
 
 
 @pytest.mark.parametrize("order", get_args(BinOrder))
@@ -52,9 +54,9 @@ def test_no_dot_is_marked_when_no_point_is_picked(run: Run):
 
 def test_bins_run_from_the_smallest_to_the_largest_contribution(run: Run):
     state = replace(STATE, order="contribution", coloring="φy")
-    inspection = inspect_both(run, state, 3)[1]
-    assert inspection is not None
-    sides = inspection.values[bin_order(run.sides[1].histogram, state.order, inspection.values)].reshape(6, -1)
+    side = side_at(run, state, 3, 1)
+    assert side.inspection is not None
+    sides = side.inspection.values[side.order].reshape(6, -1)
     assert (np.diff(sides, axis=1) >= 0).all()
     assert not np.array_equal(np.sort(sides[0]), np.sort(sides[1]))
 
@@ -62,10 +64,9 @@ def test_bins_run_from_the_smallest_to_the_largest_contribution(run: Run):
 @pytest.mark.parametrize("difference", [False, True])
 def test_a_histogram_laid_over_is_drawn_as_the_first_one_is(run: Run, difference: bool):
     state = replace(STATE, difference=difference)
-    side, (first, later) = run.sides[1], (run.histogram(1, 0), run.histogram(1, 5))
-    order = bin_order(side.histogram, state.order)
-    _, second, *_ = histogram_data(side, state, order, first, later)
-    _, _, *blocks, _, _ = histogram_data(side, state, order, later, None)
+    laid_over = replace(state, overlay="another iteration", overlaid_iteration=5)
+    _, second, *_ = drawn(run, laid_over, 0, 1)[1]
+    _, _, *blocks, _, _ = drawn(run, state, 5, 1)[1]
     np.testing.assert_array_equal(second, np.nansum(blocks, axis=0))
 
 
@@ -95,7 +96,7 @@ def test_distances_of_a_long_run_are_measured_where_it_matters():
 def test_the_other_method_is_laid_over_at_its_own_pose(run: Run):
     state = replace(STATE, overlay="other method")
     for pane in (0, 1):
-        over = overlaid(run, state, 4, pane)
+        over = overlay_of(run, state, 4, pane)
         assert over is not None and over.title == run.sides[1 - pane].method
         np.testing.assert_array_equal(over.T_model_scene, run.sides[1 - pane].T_model_scene[4])
         np.testing.assert_allclose(poses.exp(over.x), over.T_model_scene)
@@ -103,12 +104,12 @@ def test_the_other_method_is_laid_over_at_its_own_pose(run: Run):
 
 def test_another_iteration_is_laid_over_no_further_than_the_last(run: Run):
     state = replace(STATE, overlay="another iteration", overlaid_iteration=2)
-    over, last = overlaid(run, state, 9, 0), overlaid(run, replace(state, overlaid_iteration=5000), 9, 0)
+    over, last = overlay_of(run, state, 9, 0), overlay_of(run, replace(state, overlaid_iteration=5000), 9, 0)
     assert over is not None and last is not None
     np.testing.assert_array_equal(over.x, run.sides[0].trajectory.x[2])
     np.testing.assert_array_equal(last.x, run.sides[0].trajectory.x[-1])
     assert last.title == f"iteration {run.sides[0].trajectory.iterations}"
-    assert overlaid(run, STATE, 9, 0) is None
+    assert overlay_of(run, STATE, 9, 0) is None
 
 
 def test_error_vectors_are_as_long_as_the_scores_say(run: Run):

@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
-from ido import Perturbation, poses, shipped_maps
+from ido import Perturbation, poses
 from ido.blocks import SIGMA2, azimuth, elevation
-from ido_viz.canvas.diagram import cone, disc, half_plane
 from ido_viz.canvas.pane import answer_colors
-from ido_viz.core.inspection import Inspection, answers, asked, inspect, point_on_ray
+from ido_viz.core.geometry import point_on_ray
+from ido_viz.core.inspection import Inspection, inspect, inspected_number
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import Run, compute
 from ido_viz.core.state import State, decode, encode
@@ -28,7 +27,7 @@ def run() -> Run:
 
 
 def looked_into(run: Run, state: State, iteration: int) -> Inspection:
-    found = inspect(run, state, iteration)
+    found = inspect(run, state, iteration, inspected_number(state))
     assert found is not None
     return found
 
@@ -48,21 +47,23 @@ def test_the_shares_add_up_to_the_update_shown(pane: str, iteration: int, run: R
 
 def test_a_baseline_has_nothing_to_look_into(run: Run) -> None:
     baseline = compute(replace(STATE, right="ICP, tuned"), shipped_library())
-    assert inspect(baseline, STATE, 2) is None
+    assert inspect(baseline, STATE, 2, 1) is None
     assert looked_into(baseline, replace(STATE, inspected_pane="left"), 2).side.method == "DO"
 
 
-def test_a_points_answers_add_up_to_its_bins(run: Run) -> None:
-    histogram = shipped_maps("bunny", "triple-binary").histogram
-    whole = looked_into(run, STATE, 2)
-    sides = histogram.sides(whole.moved)  # type: ignore[attr-defined]
-    for row, question in enumerate(("front / back", "up / down", "clockwise / anticlockwise")):
-        assert asked(histogram, question)
-        for point in (0, 100, 513):
-            first, counts = answers(histogram, whole.moved, point, question)
-            assert np.isclose(counts[first].sum(), sides[2 * row, point], rtol=1e-3, atol=1e-3)
-            assert np.isclose(counts[~first].sum(), sides[2 * row + 1, point], rtol=1e-3, atol=1e-3)
-    assert not asked(shipped_maps("bunny", "front-back").histogram, "up / down")
+def test_the_question_is_the_histograms_block_of_that_name(run: Run) -> None:
+    for name in ("front / back", "up / down", "clockwise / anticlockwise"):
+        inspection = looked_into(run, replace(STATE, question=name), 2)
+        question = inspection.question
+        assert question is not None and question.name == name
+        first, counts = question.of_point(inspection.side.histogram.model, 100, inspection.moved)
+        assert inspection.answers is not None
+        np.testing.assert_array_equal(inspection.answers[0], first)
+        np.testing.assert_array_equal(inspection.answers[1], counts)
+    assert looked_into(run, replace(STATE, question="near / far"), 2).question is None
+    of_do = looked_into(run, replace(STATE, inspected_pane="left", question="up / down"), 2)
+    assert of_do.question is None and of_do.answers is None
+    assert looked_into(run, replace(STATE, inspected=-1), 2).answers is None
 
 
 def test_an_unknown_point_is_none(run: Run) -> None:
@@ -79,24 +80,9 @@ def test_a_ray_meets_the_nearest_point_on_its_way() -> None:
     assert point_on_ray(points, np.array([0.0, 0, 5]), np.array([0.0, 0, 1]), 0.05) is None
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_diagram_is_where_the_answers_change(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    m, n = rng.uniform(-0.8, 0.8, 3), Rotation.random(rng=rng).apply([0, 0, 1])
-    vertices, faces = disc(m, n)
-    assert np.allclose((vertices - m) @ n, 0)
-    assert faces.max() < len(vertices)
-    vertices, _ = cone(m)
-    assert np.allclose(elevation(vertices[1:]), elevation(m[None]))
-    vertices, _ = half_plane(m)
-    off_axis = np.hypot(vertices[:, 0], vertices[:, 1]) > 1e-6
-    assert np.allclose(azimuth(vertices[off_axis]), azimuth(m[None]))
-
-
 def test_points_that_count_less_are_paler() -> None:
-    colors = answer_colors(np.array([True, True, False]), np.array([1.0, 0.1, 1.0]), "up / down", dark=False).astype(
-        int
-    )
+    first, counts = np.array([True, True, False]), np.array([1.0, 0.1, 1.0])
+    colors = answer_colors(first, counts, (0, 158, 115), dark=False).astype(int)
     assert colors[1].min() > colors[0].min()
     assert not np.array_equal(colors[0], colors[2])
 

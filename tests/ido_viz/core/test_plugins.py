@@ -14,7 +14,19 @@ import pytest
 import tyro
 from tab import PATIENCE, PAUSED, Tab
 
-from ido import Block, Cloud, FrontBack, Histogram, Maps, Model, OwnError, TrainingSettings, shipped_cloud, train
+from ido import (
+    Block,
+    Cloud,
+    FrontBack,
+    Histogram,
+    Maps,
+    Method,
+    Model,
+    OwnError,
+    TrainingSettings,
+    shipped_cloud,
+    train,
+)
 from ido.blocks import FrontOrBack
 from ido.types import FloatArray
 from ido_viz.__main__ import Options, main, start
@@ -22,11 +34,13 @@ from ido_viz.core import plugins
 from ido_viz.core.background import CancelledError, Job, Shared
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.failures import headline, traceback_of
+from ido_viz.core.frame import frame_of
 from ido_viz.core.inspection import inspect
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.plugins import Own, OwnClass
 from ido_viz.core.run import Run, compute, distances, warm_up
 from ido_viz.core.state import State, StateError, encode
+from ido_viz.core.verdict import Verdict
 from ido_viz.panels.readout import readout_html
 
 Methods = dict[str, OwnClass]
@@ -124,7 +138,7 @@ def test_own_methods_are_on_offer_for_every_shape_and_compared(open_own: OpenOwn
         methods = library.methods(shape)
         assert {"Drift", "narrow (30 scenes)"} < set(methods)
         assert methods.index("DO") < methods.index("Drift") < methods.index("Did nothing")
-        assert not library.quick(shape, "Drift")
+        assert not library.entry(shape, "Drift").quick
     ended = threading.Event()
     comparison = Comparison(library, lambda: ended.set() if not comparison.running else None)
     comparison.begin(PAUSED)
@@ -143,7 +157,7 @@ def test_the_shares_of_an_own_feature_add_up_to_its_update(state: State):
     assert len(side.histogram.model.points) == 40
     assert side.maps.settings.outlier_kind == library.subject(state.shape).outlier_kind
     for k in range(side.trajectory.iterations):
-        inspection = inspect(run, replace(state, inspected_pane="left"), k)
+        inspection = inspect(run, state, k, 0)
         assert inspection is not None
         step = side.trajectory.x[k + 1] - side.trajectory.x[k]
         np.testing.assert_allclose(inspection.shares.update, step, atol=1e-6)
@@ -298,11 +312,11 @@ class Text(HTMLParser):
 def test_a_traceback_is_shown_as_text():
     run = compute(PAUSED, shipped_library())
     evil = "</pre><script>alert(1)</script><img src=x onerror=alert(1)>"
-    failed = replace(run.sides[1], waiting=f"failed: {evil}", trace=evil, method=evil)
-    shown = Text(readout_html(Run(run.subject, run.scene, (run.sides[0], failed)), 0))
+    failed = replace(run.sides[1], pending=Verdict.FAILED, waiting=f"failed: {evil}", trace=evil, method=evil)
+    shown = Text(readout_html(frame_of(Run(run.subject, run.scene, (run.sides[0], failed)), PAUSED)))
     assert shown.tags <= {"table", "tr", "td", "th", "div", "span", "b", "pre"}
     assert shown.text.count(evil) == 4  # the head of the column, the verdict, and the box with its title
-    assert "pre" not in Text(readout_html(run, 0)).tags
+    assert "pre" not in Text(readout_html(frame_of(run, PAUSED))).tags
 
 
 def test_an_error_is_told_in_one_line_whatever_it_is():
@@ -378,13 +392,19 @@ def test_a_watch_that_raises_ends_the_waiting():
         return Drift(shipped_cloud("bunny"))
 
     own = Own(slow)
-    histogram = shipped_library().first_histogram("bunny")
+    histogram = shipped_library().subject("bunny").first_histogram
     with pytest.raises(CancelledError):
         own.method("Drift", histogram, 1e-3, 10, stop)
     assert own.method("Drift", histogram, 1e-3, 10, lambda _: None).name == "Drift"
 
 
 # From the command line
+
+
+def made(library: Library, state: State) -> Method:
+    """The method of the left pane."""
+    return library.select(state).entries[0].make(state.epsilon, state.max_iterations, lambda _: None)
+
 
 MODULE = """
 import numpy as np, ido
@@ -446,7 +466,7 @@ def test_what_cannot_be_imported_is_listed_by_its_text_and_shows_where(folder: P
     for text, message in expected.items():
         for _ in range(2):
             with pytest.raises((OwnError, SyntaxError)) as raised:
-                library.method(replace(state, left=text), text)
+                made(library, replace(state, left=text))
             assert message in traceback_of(raised.value)
 
 
@@ -483,7 +503,7 @@ def test_maps_of_an_own_feature_are_taken_from_a_file(folder: Path, bunny: Cloud
     broken = ("--cloud", "cloud.npz", "--maps", "mine.npz", "--histogram", "broken_module:Shells")
     library, state = started(*broken)  # it may be what the file means, so it shows where
     with pytest.raises(SyntaxError):
-        library.method(state, "mine")
+        made(library, replace(state, left="mine"))
     with pytest.raises(StateError, match="give --cloud and --maps together"):
         started("--cloud", "cloud.npz")
     with pytest.raises(StateError, match="give --cloud and --maps together"):

@@ -10,9 +10,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ido import Perturbation, perturb, poses, shipped_cloud, shipped_maps
+from ido.bin_order import bin_order
 from ido.methods import BASELINES, LEARNED
 from ido_viz.core.library import shipped_library
-from ido_viz.core.run import Run, bin_order, compute, inputs
+from ido_viz.core.run import Run, compute, inputs
 from ido_viz.core.state import LAST, BinOrder, State, StateError
 
 LIBRARY = shipped_library()

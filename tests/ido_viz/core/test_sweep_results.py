@@ -11,11 +11,12 @@ import pytest
 from ido import SHAPES, Cloud, FrontBack, Model, TrainingSettings, load_cloud, shipped_results, train
 from ido.clouds import save_cloud
 from ido.experiments import LEVELS, Results
-from ido.methods import method_names
+from ido.methods import LEARNED, method_names
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute
 from ido_viz.core.state import State, decode, encode
-from ido_viz.panels.sweeps_tab import GROUPS, Choice, curve, rows_of, scene_labels, series_of
+from ido_viz.core.sweep_results import GROUPS, Choice, mean_scores, rows_of, scene_labels
+from ido_viz.panels.sweeps_tab import series_of
 
 
 @pytest.fixture(scope="module")
@@ -24,8 +25,13 @@ def results() -> Results:
 
 
 def some_rows(results: Results, count: int) -> list[int]:
-    """Quick registrations of all kinds, to run again."""
-    few = np.flatnonzero((results.iterations < 200) & ~((results.sweep == "points") & (results.level > 1000)))
+    """Quick registrations of all kinds, to run again.
+
+    A baseline that goes astray ends elsewhere on another kind of processor; where it found the place it finds it again.
+    """
+    same_everywhere = np.isin(results.method, list(LEARNED)) | (results.accuracy > 0.95)
+    quick = (results.iterations < 200) & ~((results.sweep == "points") & (results.level > 1000))
+    few = np.flatnonzero(quick & same_everywhere)
     return np.random.default_rng(5).choice(few, count, replace=False).tolist()
 
 
@@ -65,11 +71,11 @@ def test_the_left_pane_keeps_another_method(results: Results) -> None:
 def test_curves_are_the_means_of_the_levels(results: Results) -> None:
     rows = results.where(dataset="bunny", sweep="rotation")
     levels = LEVELS["rotation"]
-    values = curve(rows, "DO", "accuracy", levels)
+    values = mean_scores(rows, "DO", "accuracy", levels)
     for level, value in zip(levels, values, strict=True):
         chosen = (rows.method == "DO") & (rows.level == level)
         assert np.isclose(value, rows.accuracy[chosen].mean())
-    assert np.isnan(curve(rows, "no such method", "accuracy", levels)).all()
+    assert np.isnan(mean_scores(rows, "no such method", "accuracy", levels)).all()
 
 
 def test_scenes_are_offered_worst_first(results: Results) -> None:

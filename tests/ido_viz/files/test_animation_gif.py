@@ -11,8 +11,9 @@ import pytest
 from PIL import Image
 
 from ido import Perturbation, poses
-from ido_viz.canvas.canvas import VIEW_DIRECTION
 from ido_viz.core import palette
+from ido_viz.core.frame import frame_of
+from ido_viz.core.geometry import VIEW_DIRECTION
 from ido_viz.core.library import shipped_library
 from ido_viz.core.palette import Color
 from ido_viz.core.run import Run, compute
@@ -51,12 +52,12 @@ def decoded(content: bytes) -> tuple[Frames, list[int]]:
 
 @pytest.fixture(scope="module")
 def shown(run: Run) -> tuple[Frames, list[int]]:
-    return decoded(animation_gif(run, STATE))
+    return decoded(animation_gif(frame_of(run, STATE)))
 
 
 def still(state: State) -> np.ndarray:
     """The only frame of a run that does nothing."""
-    frames, _ = decoded(animation_gif(compute(state, LIBRARY), state))
+    frames, _ = decoded(animation_gif(frame_of(compute(state, LIBRARY), state)))
     assert len(frames) == 1
     return frames[0]
 
@@ -83,7 +84,7 @@ def test_every_iteration_is_shown_at_the_states_speed_and_the_ends_are_held(run:
 
 
 def test_it_loops_and_says_what_it_is(run: Run):
-    info = Image.open(io.BytesIO(animation_gif(run, STATE))).info
+    info = Image.open(io.BytesIO(animation_gif(frame_of(run, STATE)))).info
     assert info["loop"] == 0
     assert info["comment"].decode().startswith("DO and Improved DO on bunny, seed 3: rotation 40°")
 
@@ -91,7 +92,7 @@ def test_it_loops_and_says_what_it_is(run: Run):
 @pytest.mark.parametrize(("speed", "milliseconds"), [(1, 1000), (15, 70), (60, 20)])
 def test_speeds_are_those_that_players_keep(run: Run, monkeypatch: pytest.MonkeyPatch, speed: int, milliseconds: int):
     monkeypatch.setattr(slides, "MOST_FRAMES", 3)
-    assert decoded(animation_gif(run, replace(STATE, speed=speed)))[1] == [HOLD, milliseconds, HOLD]
+    assert decoded(animation_gif(frame_of(run, replace(STATE, speed=speed))))[1] == [HOLD, milliseconds, HOLD]
     assert 60 <= MOST_FRAMES <= 100
 
 
@@ -99,7 +100,7 @@ def test_a_long_run_keeps_its_first_iterations_and_its_last(
     run: Run, shown: tuple[Frames, list[int]], monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(slides, "MOST_FRAMES", 6)
-    frames, _ = decoded(animation_gif(run, STATE))
+    frames, _ = decoded(animation_gif(frame_of(run, STATE)))
     assert len(frames) == 6
     for few, all_of_them in ((0, 0), (1, 1), (2, 2), (-1, -1)):
         np.testing.assert_array_equal(frames[few][TITLES], shown[0][all_of_them][TITLES])
@@ -128,8 +129,8 @@ def test_what_is_the_same_in_both_panes_is_drawn_in_the_same_place():
 
 
 def test_each_pane_has_its_own_colour_and_an_overlay_adds_the_others(run: Run):
-    first = decoded(animation_gif(run, STATE))[0][-1]
-    overlaid = decoded(animation_gif(run, replace(STATE, overlay="other method")))[0][3]
+    first = decoded(animation_gif(frame_of(run, STATE)))[0][-1]
+    overlaid = decoded(animation_gif(frame_of(run, replace(STATE, overlay="other method"))))[0][3]
     for pane, (plain, over) in enumerate(zip(halves(first, PANES), halves(overlaid, PANES), strict=True)):
         assert len(places(plain, palette.METHOD_COLORS[pane])) > 500
         assert len(places(plain, palette.METHOD_COLORS[1 - pane])) == 0
@@ -160,7 +161,7 @@ def test_scores_that_a_lecturer_has_hidden_are_not_shown():
 def test_titles_keep_their_size_and_place_from_frame_to_frame(run: Run, large: bool):
     state = replace(STATE, large_text=large)
     heights = set()
-    for frame in decoded(animation_gif(run, state))[0]:
+    for frame in decoded(animation_gif(frame_of(run, state)))[0]:
         rows = places(halves(frame, slice(60, 116))[0], palette.ink(dark=False))[:, 1]
         heights.add((rows.min(), rows.max()))
     assert len(heights) == 1
@@ -169,7 +170,8 @@ def test_titles_keep_their_size_and_place_from_frame_to_frame(run: Run, large: b
 @pytest.mark.parametrize("name", ["W" * 200, "two\nlines", "<b>$x$</b>"])
 def test_a_name_is_drawn_in_its_own_half_in_one_line(name: str):
     run = compute(STILL, LIBRARY)
-    frame = decoded(animation_gif(replace(run, sides=(replace(run.sides[0], method=name), run.sides[1])), STILL))[0][0]
+    named = replace(run, sides=(replace(run.sides[0], method=name), run.sides[1]))
+    frame = decoded(animation_gif(frame_of(named, STILL)))[0][0]
     left, right = halves(frame, TITLES)
     own = places(left, palette.METHOD_COLORS[0])
     assert len(own) > 50
@@ -181,7 +183,7 @@ def test_a_name_is_drawn_in_its_own_half_in_one_line(name: str):
 
 def test_even_a_long_animation_is_small_enough_for_mail():
     run = compute(State(), LIBRARY)
-    assert len(animation_gif(run, State())) / (run.iterations + 1) * MOST_FRAMES < 5e6
+    assert len(animation_gif(frame_of(run, State()))) / (run.iterations + 1) * MOST_FRAMES < 5e6
 
 
 # The projection, against a pinhole camera

@@ -18,9 +18,11 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from ido import Perturbation
-from ido_viz.core.inspection import inspect_both
+from ido.bin_order import bin_order
+from ido_viz.core.frame import frame_of
+from ido_viz.core.inspection import inspect
 from ido_viz.core.library import shipped_library
-from ido_viz.core.run import Run, bin_order, compute, norms
+from ido_viz.core.run import Run, compute
 from ido_viz.core.state import LAST, State, decode
 from ido_viz.files.chart_archive import charts_zip
 from ido_viz.files.chart_figures import DOTS_PER_INCH, WIDTH, curves_figure, histograms_figure, maps_figure
@@ -49,7 +51,7 @@ def evil(with_baseline: Run) -> Run:
 
 @pytest.fixture(scope="module")
 def files(evil: Run) -> dict[str, bytes]:
-    return members(charts_zip(evil, BASELINE))
+    return members(charts_zip(frame_of(evil, BASELINE)))
 
 
 def members(archive: bytes) -> dict[str, bytes]:
@@ -86,8 +88,8 @@ def values(line: Any) -> np.ndarray:
 def test_histograms_are_those_that_the_methods_see(run: Run, change: Mapping[str, Any]):
     state = replace(STATE, **change)
     iteration = run.iterations if state.iteration == LAST else state.iteration
-    shares = [None if one is None else one.values for one in inspect_both(run, state, iteration)]
-    for number, (ax, side) in enumerate(zip(panels(histograms_figure(run, state)), run.sides, strict=True)):
+    shares = [None if one is None else one.values for one in (inspect(run, state, iteration, pane) for pane in (0, 1))]
+    for number, (ax, side) in enumerate(zip(panels(histograms_figure(frame_of(run, state))), run.sides, strict=True)):
         histogram = side.histogram
         n_blocks = len(histogram.blocks)
         tops = np.repeat(histogram.reference.reshape(n_blocks, -1).max(axis=1), histogram.n_bins // n_blocks)
@@ -97,14 +99,14 @@ def test_histograms_are_those_that_the_methods_see(run: Run, change: Mapping[str
         np.testing.assert_allclose(dots, (seen / tops)[order], rtol=1e-5, atol=1e-6)
         low, high = ax.get_ylim()
         assert low <= dots.min() <= dots.max() <= high
-        names = [name for block in histogram.blocks for name in block]
+        names = [name for block in histogram.blocks for name in block.sides]
         assert [label.get_text() for label in ax.get_xticklabels()] == names
         assert f"iteration {side.clipped(iteration)} of {side.trajectory.iterations}" in texts(ax)
 
 
 def test_what_is_laid_over_and_what_is_picked_are_drawn(run: Run):
     state = replace(STATE, overlay="another iteration", overlaid_iteration=1, inspected=5)
-    for ax, side in zip(panels(histograms_figure(run, state)), run.sides, strict=True):
+    for ax, side in zip(panels(histograms_figure(frame_of(run, state))), run.sides, strict=True):
         plain, picked = (np.isfinite(values(line)) for line in (ax.lines[0], ax.lines[-1 - _borders(ax)]))
         assert plain.all()
         assert picked.sum() == 2 * len(side.histogram.blocks)
@@ -118,7 +120,7 @@ def _borders(ax: Axes) -> int:
 @pytest.mark.parametrize(("pinned", "expected"), [(0, 5), (2, 2), (1000, 30)])
 def test_maps_are_those_of_the_next_update_or_the_pinned_one(run: Run, pinned: int, expected: int):
     state = replace(STATE, pinned_map=pinned)
-    for ax, side in zip(panels(maps_figure(run, state)), run.sides, strict=True):
+    for ax, side in zip(panels(maps_figure(frame_of(run, state))), run.sides, strict=True):
         assert side.maps is not None
         drawn = np.asarray(ax.images[0].get_array())
         rows = drawn.reshape(6, -1, drawn.shape[1])
@@ -133,18 +135,18 @@ def test_maps_are_those_of_the_next_update_or_the_pinned_one(run: Run, pinned: i
 
 
 def test_a_method_without_maps_is_left_out_of_their_figure(with_baseline: Run, files: dict[str, bytes]):
-    (ax,) = panels(maps_figure(with_baseline, BASELINE))
+    (ax,) = panels(maps_figure(frame_of(with_baseline, BASELINE)))
     assert texts(ax).split() == ["DO", "map", "5", "of", "30"]
     assert "none of GMMReg, tuned" in files["README.txt"].decode()
 
 
 def test_curves_are_those_of_the_scores(with_baseline: Run):
-    rmse, accuracy, update, distance = panels(curves_figure(with_baseline, BASELINE))
+    rmse, accuracy, update, distance = panels(curves_figure(frame_of(with_baseline, BASELINE)))
     for number, side in enumerate(with_baseline.sides):
         for ax, expected in (
             (rmse, side.scores.rmse),
             (accuracy, side.scores.accuracy),
-            (update, norms(side)),
+            (update, side.norms),
             (distance, side.distances),
         ):
             curve, dot = (values(line) for line in ax.lines[2 * number : 2 * number + 2])
@@ -153,12 +155,12 @@ def test_curves_are_those_of_the_scores(with_baseline: Run):
     assert update.get_yscale() == "log"
     assert values(update.lines[-1])[0] == BASELINE.epsilon
     low, high = update.get_ylim()
-    assert low < BASELINE.epsilon < np.nanmax(norms(with_baseline.sides[0])) < high
+    assert low < BASELINE.epsilon < np.nanmax(with_baseline.sides[0].norms) < high
 
 
 def test_a_run_that_does_nothing_can_be_drawn():
     state = replace(STATE, left="Did nothing", right="Did nothing")
-    files = members(charts_zip(compute(state, LIBRARY), state))
+    files = members(charts_zip(frame_of(compute(state, LIBRARY), state)))
     assert sorted(files) == ["README.txt", "curves.png", "curves.svg", "histograms.png", "histograms.svg"]
 
 
@@ -202,7 +204,7 @@ def test_names_are_shown_as_they_are_and_as_text(files: dict[str, bytes]):
 def test_a_long_name_leaves_room_for_the_charts(evil: Run):
     long = replace(evil, sides=(replace(evil.sides[0], method="W" * 300), replace(evil.sides[1], method="a\nb" * 90)))
     for draw in (histograms_figure, maps_figure, curves_figure):
-        figure = draw(long, BASELINE)
+        figure = draw(frame_of(long, BASELINE))
         figure.draw_without_rendering()
         assert all(ax.get_position().height > 0.15 and ax.get_position().width > 0.35 for ax in panels(figure))
 
@@ -220,7 +222,7 @@ def test_the_readme_leads_back_to_the_page(files: dict[str, bytes]):
 def test_tabs_may_export_at_once_and_leave_no_settings_behind(evil: Run, run: Run, files: dict[str, bytes]):
     before = dict(matplotlib.rcParams)
     with ThreadPoolExecutor() as pool:
-        first, second = (pool.submit(charts_zip, *asked) for asked in ((run, STATE), (evil, BASELINE)))
+        first, second = (pool.submit(charts_zip, frame_of(*asked)) for asked in ((run, STATE), (evil, BASELINE)))
         assert members(second.result()) == files
         assert "maps.svg" in members(first.result())
     assert dict(matplotlib.rcParams) == before

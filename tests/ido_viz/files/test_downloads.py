@@ -12,7 +12,7 @@ import io
 import json
 import re
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -30,12 +30,13 @@ from scipy.spatial.transform import Rotation
 from ido import Perturbation, poses
 from ido.methods import BASELINES
 from ido.recording import chosen_iterations, load_run
+from ido_viz.core.frame import Frame, frame_of
 from ido_viz.core.library import shipped_library
-from ido_viz.core.run import Run, compute, make_scene, norms, register_side, waiting_side
+from ido_viz.core.run import Run, compute, make_scene, register_side, waiting_side
 from ido_viz.core.state import State, decode
 from ido_viz.files import animation_html as animation
 from ido_viz.files.animation_html import MOST_FRAMES, animation_html
-from ido_viz.files.downloads import COLUMNS, EXPORTS, ExportFolder, Shown, curves_csv, file_name, recorded, run_npz
+from ido_viz.files.downloads import COLUMNS, EXPORTS, DownloadFolder, curves_csv, file_name, recorded, run_npz
 
 LIBRARY = shipped_library()
 SMALL = Perturbation(points=120, outliers=40, rotation=40.0, seed=3)
@@ -55,11 +56,16 @@ def run(state: State) -> Run:
     return compute(state, LIBRARY)
 
 
+def settings_of(state: State, method: str) -> Mapping[str, object]:
+    entry = LIBRARY.entry(state.shape, method)
+    return entry.make(state.epsilon, state.max_iterations, lambda _: None).settings
+
+
 # The run
 
 
 def test_the_downloaded_run_equals_the_run_shown(run: Run, state: State, tmp_path: Path):
-    (tmp_path / "run.npz").write_bytes(run_npz(run, state))
+    (tmp_path / "run.npz").write_bytes(run_npz(frame_of(run, state)))
     loaded = load_run(tmp_path / "run.npz")
     assert (loaded.shape, loaded.perturbation) == (state.shape, state.perturbation)
     assert decode(loaded.code) == state
@@ -67,8 +73,9 @@ def test_the_downloaded_run_equals_the_run_shown(run: Run, state: State, tmp_pat
         np.testing.assert_array_equal(getattr(loaded.scene, name), getattr(run.scene, name))
     for number, (method, side) in enumerate(zip(loaded.methods, run.sides, strict=True)):
         assert method.name == side.method
-        assert method.settings == LIBRARY.method(state, side.method).settings
-        assert (method.histogram, method.blocks) == (side.histogram.name, side.histogram.blocks)
+        assert method.settings == settings_of(state, side.method)
+        assert method.histogram == side.histogram.name
+        assert method.blocks == tuple(block.sides for block in side.histogram.blocks)
         assert method.trajectory.stop is side.trajectory.stop
         np.testing.assert_equal(method.trajectory.last_norm, side.trajectory.last_norm)
         np.testing.assert_array_equal(method.trajectory.x, side.trajectory.x)
@@ -84,13 +91,14 @@ def test_the_downloaded_run_equals_the_run_shown(run: Run, state: State, tmp_pat
 def test_the_settings_of_every_baseline_can_be_recorded(run: Run):
     for name in BASELINES:
         state = replace(State(perturbation=SMALL), left=name, right=name)
-        side = register_side(state, LIBRARY, name, run.scene)
+        selection = LIBRARY.select(state)
+        side = register_side(selection.entries[0], selection, state, run.scene)
         one = recorded(Run(run.subject, run.scene, (side, side)), state).methods[0]
-        assert one.settings == LIBRARY.method(state, name).settings
+        assert one.settings == settings_of(state, name)
 
 
 def test_the_default_run_is_below_three_megabytes():
-    assert len(run_npz(compute(State(), LIBRARY), State())) < 3e6
+    assert len(run_npz(frame_of(compute(State(), LIBRARY), State()))) < 3e6
 
 
 # The curves
@@ -109,7 +117,7 @@ def test_the_curves_are_those_of_the_scores(run: Run):
             "PointRMSE": scores.rmse,
             "rotation error (degrees)": scores.rotation,
             "translation error": scores.translation,
-            "update norm": norms(side),
+            "update norm": side.norms,
             "histogram distance": side.distances,
         }.items():
             np.testing.assert_array_equal([float(row[name] or "nan") for row in own], values)
@@ -152,7 +160,7 @@ class Recording:
 
 @pytest.fixture(scope="module")
 def page(run: Run, state: State) -> str:
-    return animation_html(run, state).decode()
+    return animation_html(frame_of(run, state)).decode()
 
 
 def test_the_animation_shows_every_iteration_with_its_pose_and_its_scores(run: Run, state: State, page: str):
@@ -210,14 +218,14 @@ def test_the_page_needs_nothing_from_outside(page: str, state: State):
 def test_names_are_shown_as_they_are(run: Run, state: State):
     evil = '"><script>alert(1)</script>'
     sides = (replace(run.sides[0], method=evil), run.sides[1])
-    page = animation_html(replace(run, sides=sides), state).decode()
+    page = animation_html(frame_of(replace(run, sides=sides), state)).decode()
     assert evil not in page
     assert Recording.of(page).titles("left")[0][1][0] == evil
 
 
 def test_a_long_run_is_shown_in_few_frames(run: Run, state: State, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(animation, "MOST_FRAMES", 6)
-    titles = Recording.of(animation_html(run, state).decode()).titles("left")
+    titles = Recording.of(animation_html(frame_of(run, state)).decode()).titles("left")
     n = run.sides[0].trajectory.iterations
     shown = sorted({min(k, n) for k in chosen_iterations(run.iterations, 6)})
     assert [title[1] for _, title in titles] == [f"iteration {k} of {n}" for k in shown]
@@ -230,7 +238,7 @@ def test_making_an_animation_prints_nothing_and_leaves_no_server(
     stopped: list[viser.ViserServer] = []
     stop = viser.ViserServer.stop
     monkeypatch.setattr(viser.ViserServer, "stop", lambda server: (stopped.append(server), stop(server)))
-    animation_html(run, state)
+    animation_html(frame_of(run, state))
     assert len(stopped) == 1
     assert capsys.readouterr() == ("", "")
 
@@ -239,7 +247,7 @@ def test_making_an_animation_prints_nothing_and_leaves_no_server(
 
     monkeypatch.setattr(animation, "_draw", fail)
     with pytest.raises(RuntimeError, match="no canvas"):
-        animation_html(run, state)
+        animation_html(frame_of(run, state))
     assert len(stopped) == 2
     assert capsys.readouterr() == ("", "")
 
@@ -266,7 +274,7 @@ class Button:
 class Page:
     """Stands for a client."""
 
-    shown: Shown
+    shown: Callable[[], Frame | None]
     buttons: list[Button] = field(default_factory=list)
     files: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -275,7 +283,7 @@ class Page:
         self.gui = SimpleNamespace(
             add_folder=lambda *_, **__: contextlib.nullcontext(), add_button=lambda label, **_: self._add(label)
         )
-        ExportFolder(cast(viser.ClientHandle, self), lambda: self.shown())
+        DownloadFolder(cast(viser.ClientHandle, self), lambda: self.shown(), 0)
 
     def _add(self, label: str) -> Button:
         self.buttons.append(Button(label))
@@ -290,7 +298,7 @@ class Page:
 
 
 def test_each_button_sends_its_file(run: Run, state: State):
-    page = Page(lambda: (run, state))
+    page = Page(lambda: frame_of(run, state))
     for button in page.buttons:
         button.click()
     endings = [".npz", ".csv", ".html", ".gif", ".zip"]
@@ -307,17 +315,19 @@ def test_each_button_sends_its_file(run: Run, state: State):
 
 
 def test_what_is_shown_at_the_click_is_sent(run: Run, state: State):
-    page = Page(lambda: (run, state))
-    page.shown = lambda: (run, replace(state, perturbation=replace(SMALL, seed=77)))
+    page = Page(lambda: frame_of(run, state))
+    page.shown = lambda: frame_of(run, replace(state, perturbation=replace(SMALL, seed=77)))
     page.buttons[1].click()
     assert list(page.files) == ["ido-bunny-77.csv"]
 
 
 def test_what_is_not_there_yet_is_not_sent(run: Run, state: State):
-    waiting = waiting_side(state, LIBRARY, "CPD, default", make_scene(state, LIBRARY), "computing, iteration 12")
+    selection = LIBRARY.select(replace(state, right="CPD, default"))
+    scene = make_scene(selection.subject, state)
+    waiting = waiting_side(selection.entries[1], selection, scene, "computing, iteration 12")
     page = Page(lambda: None)
     page.buttons[0].click()
-    page.shown = lambda: (replace(run, sides=(run.sides[0], waiting)), state)
+    page.shown = lambda: frame_of(replace(run, sides=(run.sides[0], waiting)), state)
     for button in page.buttons:
         button.click()
     assert page.files == {}
@@ -327,11 +337,11 @@ def test_what_is_not_there_yet_is_not_sent(run: Run, state: State):
 
 def test_a_failure_is_told_and_the_button_works_again(run: Run, state: State):
     spoilt = replace(run, scene=replace(run.scene, points=run.scene.points * np.nan))
-    page = Page(lambda: (spoilt, state))
+    page = Page(lambda: frame_of(spoilt, state))
     page.buttons[0].click()
     assert page.files == {}
     assert page.notes == ["The file could not be made: RunError: its rmse holds numbers that are not finite"]
-    page.shown = lambda: (run, state)
+    page.shown = lambda: frame_of(run, state)
     page.buttons[0].click()
     assert list(page.files) == ["ido-bunny-3.npz"]
 

@@ -117,7 +117,7 @@ def test_every_control_has_a_hint():
     kinds = ("button", "button_group", "checkbox", "dropdown", "multi_slider", "number", "rgb", "slider", "text")
     adding = {f"add_{kind}" for kind in kinds}
     without, found = [], 0
-    for path in Path(ido_viz.__path__[0]).glob("*.py"):
+    for path in Path(ido_viz.__path__[0]).rglob("*.py"):
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr in adding:
                 found += 1

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from ido_viz import __main__ as command
-from ido_viz import app, lessons
+from ido_viz import app
 from ido_viz.core.state import State, StateError, with_values
+from ido_viz.teach import lessons
 from ido_viz.teach.content import ContentError
 from ido_viz.teach.derivations import Derivation, Equation, load_derivations
 from ido_viz.teach.lessons import Claim, Lesson, Step, load_lessons
@@ -107,7 +108,7 @@ def test_a_file_of_windows_is_read(tmp_path: Path):
         ("rotation =", "rotatoin =", "01-seen.toml, step 1: unknown key 'rotatoin'; known: .*rotation"),
         ("rotation = 20", "rotation = 900", "01-seen.toml, step 1: rotation must lie between 0 and 180, not 900"),
         ("rotation = 20", 'rotation = "20"', "01-seen.toml, step 1: rotation must be a number, not '20'"),
-        ("rotation = 20", 'left = "CPD, tunde"', "01-seen.toml, step 1: 'CPD, tunde' cannot register 'bunny' here"),
+        ("rotation = 20", 'left = "CPD, tunde"', "01-seen.toml, step 1: 'CPD, tunde' cannot register 'bunny'"),
         ("rotation = 20", 'shape = "teapot"', "01-seen.toml, step 1: unknown shape 'teapot'; known: bunny, urban"),
         ('["view"]', '["views"]', "01-seen.toml, step 1: hidden must name parts of the page"),
         ("rotation = 20", "rotation 20", r"01-seen.toml: not TOML: .*\(at line 10, column 10\)"),

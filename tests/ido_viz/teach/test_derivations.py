@@ -7,13 +7,13 @@ import importlib
 import re
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 import viser
 
+from ido.shipped import asset
 from ido_viz.teach.derivations import Derivation, Equation, derivations, equations_of
 from ido_viz.teach.derivations_tab import DerivationsTab, derivation_html, drawing_of, width_of
 
@@ -23,7 +23,7 @@ EQUATIONS = equations_of(DERIVATIONS)
 WIDEST = 22.5
 """Widest drawing that fits into the panel without being made smaller, em."""
 
-FOLDER = Path(__file__).parent.parent / "assets" / "equations"
+FOLDER = asset("equations")
 SVG = "{http://www.w3.org/2000/svg}"
 SHAPES = {"svg", "title", "defs", "g", "path", "rect", "use"}
 ATTRIBUTES = {"width", "height", "viewBox", "d", "id", "href", "transform", "x", "y"}

@@ -11,8 +11,8 @@ from scipy.linalg import expm
 import ido
 from ido import poses, shipped_cloud, shipped_maps
 from ido.attribution import Attribution
-from ido.histograms import SIGMA2, AsPrinted, SceneBatch, azimuth, elevation
-from ido.kernels import SMALLEST_WEIGHT
+from ido.blocks import SIGMA2, SMALLEST_WEIGHT, azimuth, elevation
+from ido.histograms import AsPrinted, SceneBatch
 from ido.training import solve, training_scenes
 from ido.types import DoubleArray, FloatArray
 from ido_viz.core.inspection import inspect
@@ -216,7 +216,7 @@ def test_shares_add_up_as_told():
 def test_shares_towards_the_truth_are_those_along_the_way_to_it():
     state = State(coloring="towards the truth", inspected_pane="left")
     run = compute(state, shipped_library())
-    look = inspect(run, state, 3)
+    look = inspect(run, state, 3, 0)
     assert look is not None
     x, x_true = run.sides[0].trajectory.x[3], poses.log(run.scene.T_model_scene)
     d = (x_true - x) / np.linalg.norm(x_true - x)

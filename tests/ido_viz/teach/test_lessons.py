@@ -20,6 +20,7 @@ from ido_viz.core.state import LAST, State, StateError, decode, encode
 from ido_viz.teach.lesson_folder import NONE, LessonFolder
 from ido_viz.teach.lessons import Step, lesson, lessons, step_of
 
+DEFAULT = State()
 MOST_WORDS = 90
 """Longest text of a step."""
 
@@ -107,9 +108,9 @@ def test_a_step_is_found_by_its_page() -> None:
 class Student:
     """Uses the folder as a browser would, and notes the pages that it opens."""
 
-    def __init__(self, gui: viser.GuiApi, state: State | None = None) -> None:
+    def __init__(self, gui: viser.GuiApi, state: State) -> None:
         self.opened: list[State] = []
-        self.folder = LessonFolder(gui, self.opened.append, state)
+        self.folder = LessonFolder(gui, self.opened.append, state, 0)
 
     def _send(self, handle: Any, value: str) -> None:
         handle._impl.value = value
@@ -138,7 +139,7 @@ def server() -> Iterator[viser.ViserServer]:
 @pytest.fixture
 def student(server: viser.ViserServer) -> Iterator[Callable[..., Student]]:
     server.gui.reset()
-    yield lambda state=None: Student(server.gui, state)
+    yield lambda state=DEFAULT: Student(server.gui, state)
     server.gui.reset()
 
 
