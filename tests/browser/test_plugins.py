@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SMALL
 from explorer import Explorer
 from playwright.sync_api import Browser, ViewportSize
 
@@ -21,6 +20,7 @@ from ido_viz.core.state import State
 
 EXAMPLE = Path(__file__).parents[2] / "assets" / "examples" / "04_own_method.py"
 PERSONAL = "Point to plane"
+WINDOW = ViewportSize(width=1200, height=700)  # software rendering takes its time for each pixel
 
 
 class Broken:
@@ -46,7 +46,7 @@ def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], E
     opened: list[Explorer] = []
 
     def open_page(state: State) -> Explorer:
-        page = browser.new_page(viewport=ViewportSize(width=SMALL[0], height=SMALL[1]))
+        page = browser.new_page(viewport=WINDOW)
         opened.append(Explorer(App(state, library=library, port=0), page))
         return opened[-1].open()
 
