@@ -24,7 +24,7 @@ class Attribution:
 
     @classmethod
     def of(cls, D: FloatArray, histogram: Histogram, h: FloatArray, *, against_reference: bool = False) -> Attribution:
-        """The shares in the update that map D (6, n_bins) makes of a histogram h (n_bins,).
+        """The shares in the update that map D (6, n_bins) makes of a histogram h (n_bins,) (docs/method.md, Eq. 19).
 
         Against the reference, the shares are those of what differs from the model's own histogram. They add up to the
         update less the one that the map would make at the reference, which training drives towards zero.

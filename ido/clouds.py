@@ -35,7 +35,7 @@ class CloudError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """Where model units lie in the user's units: ``original = centre + scale * normalised``.
+    """Where model units lie in the user's units: ``original = centre + scale * normalised`` (docs/method.md, Eq. 3).
 
     Args:
         centre: the model origin in the user's units, shape (3,), float64.
@@ -46,7 +46,7 @@ class Frame:
     scale: float
 
     def to_model_units(self, points: FloatArray) -> FloatArray:
-        """Points from the user's units to model units, float64."""
+        """Points from the user's units to model units, float64 (docs/method.md, Eq. 3)."""
         return (np.asarray(points, dtype=np.float64) - self.centre) / self.scale
 
     def to_user_units(self, points: FloatArray) -> FloatArray:
@@ -75,6 +75,8 @@ class Cloud:
     @classmethod
     def of(cls, original: FloatArray) -> Cloud:
         """Normalise points given in the user's units, shape (N, 3): the bounding-box centre becomes the origin.
+
+        docs/method.md, Eq. 3.
 
         Raises:
             CloudError: fewer than 10 points, coordinates that are not finite, or all points in one place.

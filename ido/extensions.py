@@ -72,6 +72,8 @@ def register_updates(
 ) -> Trajectory:
     """Register one scene, points (S, 3) in model units, by x ← x + Δx from where it lies until ‖Δx‖ < ε.
 
+    docs/method.md, Eq. 16.
+
     Args:
         own: gives the updates.
         points: the scene.

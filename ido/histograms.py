@@ -181,14 +181,17 @@ class BlockHistogram(Histogram):
 
 
 class FrontBack(BlockHistogram):
-    """DO: how much of the scene lies in front of each model point, and how much behind it."""
+    """DO: how much of the scene lies in front of each model point, and how much behind it (docs/method.md, Eq. 6)."""
 
     name = "front-back"
     blocks = (FrontOrBack(),)
 
 
 class TripleBinary(BlockHistogram):
-    """Improved DO: front / back, and how many scene points lie above / below and clockwise / anticlockwise."""
+    """Improved DO: front / back, and how many scene points lie above / below and clockwise / anticlockwise.
+
+    docs/method.md, Eq. 6 and 8.
+    """
 
     name = "triple-binary"
     blocks = (FrontOrBack(), UpOrDown(), ClockwiseOrAnticlockwise())
@@ -210,7 +213,7 @@ class AsPrinted(TripleBinary):
 
 
 class QuadrupleBinary(BlockHistogram):
-    """Improved DO with a question more, which is not the paper's: near / far."""
+    """Improved DO with a question more, which is not the paper's: near / far (docs/method.md, Eq. 6, 8 and 12)."""
 
     name = "quadruple-binary"
     blocks = (*TripleBinary.blocks, NearOrFar())

@@ -10,7 +10,7 @@ from ido.types import DoubleArray, FloatArray
 
 @njit(cache=True, nogil=True)
 def pose_of(x: FloatArray) -> DoubleArray:
-    """T = exp(ξ^) of x = [ρ, φ], shape (4, 4); `ido.poses.exp` defines it (docs/method.md, Eq. 2)."""
+    """T = exp(x^) of x = [ρ, φ], shape (4, 4); `ido.poses.exp` defines it (docs/method.md, Eq. 2)."""
     T = np.eye(4)
     a, b, c = x[3], x[4], x[5]
     angle2 = a * a + b * b + c * c
@@ -33,7 +33,10 @@ def pose_of(x: FloatArray) -> DoubleArray:
 
 @njit(cache=True, nogil=True)
 def move(points: FloatArray, starts: np.ndarray, x: FloatArray) -> DoubleArray:
-    """The points (N, 3) of many scenes in the model frame: points[starts[i]:starts[i+1]] moved by x[i] (6,)."""
+    """The points (N, 3) of many scenes in the model frame: points[starts[i]:starts[i+1]] moved by x[i] (6,).
+
+    docs/method.md, Eq. 1.
+    """
     moved = np.empty((len(points), 3), np.float64)
     for i in range(len(x)):
         T = pose_of(x[i])
@@ -46,7 +49,10 @@ def move(points: FloatArray, starts: np.ndarray, x: FloatArray) -> DoubleArray:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def scale_blocks(out: FloatArray, weights: FloatArray, unit_norm: bool) -> None:
-    """Weigh the bins of many histograms (B, sides, M), and scale each block to length 1 or sum 1, in place."""
+    """Weigh the bins of many histograms (B, sides, M), and scale each block to length 1 or sum 1, in place.
+
+    docs/method.md, Eq. 9 and 10.
+    """
     for i in range(len(out)):
         for block in range(0, out.shape[1], 2):
             size = 0.0

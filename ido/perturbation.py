@@ -1,4 +1,4 @@
-"""A perturbation is a value; with a cloud it makes one scene, always the same (paper, "Experimental Dataset").
+"""A perturbation is a value; with a cloud it makes one scene, always the same (docs/method.md, "Perturbation").
 
 Each of the six kinds draws from a random stream of its own, so that neighbouring values give neighbouring scenes: a
 larger noise scales the same noise, more outliers keep the earlier ones, a longer translation keeps its direction.

@@ -1,4 +1,4 @@
-"""Rigid poses as 4x4 matrices and as exponential coordinates x = [rho, phi] (paper, "Lie groups and Lie algebras").
+"""Rigid poses as 4x4 matrices and as exponential coordinates x = [ρ, φ] (docs/method.md, "Poses").
 
 `T_model_scene` always maps scene points into the model frame: ``p_model = R @ p_scene + t``.
 """
@@ -15,7 +15,7 @@ PARAMETERS = ("ρx", "ρy", "ρz", "φx", "φy", "φz")
 
 
 def exp(x: FloatArray) -> FloatArray:
-    """Pose of exponential coordinates, T = exp(ξ^) (paper, Eq. eq_se3_to_SE3).
+    """Pose of exponential coordinates, T = exp(x^) (docs/method.md, Eq. 2).
 
     Args:
         x: shape (..., 6), ρ (translation part, model units) first, φ (rotation vector, radians) last.
@@ -29,7 +29,7 @@ def exp(x: FloatArray) -> FloatArray:
 
 
 def log(T: FloatArray) -> FloatArray:
-    """Exponential coordinates of a pose, the inverse of `exp` for rotation angles up to π.
+    """Exponential coordinates of a pose, the inverse of `exp` for rotation angles up to π (docs/method.md, Eq. 2).
 
     Args:
         T: T_model_scene, shape (..., 4, 4).
@@ -42,7 +42,7 @@ def log(T: FloatArray) -> FloatArray:
 
 
 def transform(T: FloatArray, points: FloatArray) -> FloatArray:
-    """Points moved by a pose: shape (..., S, 3) for T (..., 4, 4) and points (..., S, 3)."""
+    """Points moved by a pose: shape (..., S, 3) for T (..., 4, 4) and points (..., S, 3) (docs/method.md, Eq. 1)."""
     T = np.asarray(T, dtype=np.float64)
     return points @ np.swapaxes(T[..., :3, :3], -1, -2) + T[..., None, :3, 3]
 

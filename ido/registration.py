@@ -1,4 +1,4 @@
-"""Registration: walk the maps until the updates are small (paper, Algorithm 2)."""
+"""Registration: walk the maps until the updates are small (paper, Algorithm 2; docs/method.md, "Registration")."""
 
 from __future__ import annotations
 
@@ -74,8 +74,8 @@ def register(
 ) -> Trajectory:
     """Register one scene, points (S, 3) in model units, from x (default: where it lies).
 
-    Applies D_1 .. D_K, then D_K until ‖D_K h(x)‖ < ε or max_iterations updates were made in all; calls `watch` after
-    each.
+    Applies D_1 .. D_K, then D_K until ‖D_K h(x)‖ < ε or max_iterations updates were made in all (docs/method.md, Eq. 13
+    and 16); calls `watch` after each.
 
     Raises:
         ValueError: coordinates are not finite.
@@ -130,7 +130,10 @@ def iterate(
 def register_batch(
     maps: Maps, scenes: SceneBatch, *, epsilon: float = EPSILON, max_iterations: int = MAX_ITERATIONS
 ) -> list[Trajectory]:
-    """Register many scenes side by side on all cores; the same results as `register` one by one."""
+    """Register many scenes side by side on all cores; the same results as `register` one by one.
+
+    docs/method.md, Eq. 13 and 16.
+    """
     x = np.zeros((len(scenes), 6))
     tracks = [[start.copy()] for start in x]
     norms: list[list[float]] = [[] for _ in tracks]

@@ -1,4 +1,4 @@
-"""Scores of a registration against the true pose (paper, "Training and Evaluation Criteria")."""
+"""Scores of a registration against the true pose (docs/method.md, "Scores")."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ class Scores:
     """Scores of one pose or of many, each a number or an array of the poses' leading shape.
 
     Args:
-        accuracy: PointAcc, share of the true scene points (no outliers) within 0.1 of their true place.
-        rmse: PointRMSE, root mean square of those distances (model units).
+        accuracy: PointAcc, share of the true scene points (no outliers) within 0.1 of their true place
+            (docs/method.md, Eq. 17).
+        rmse: PointRMSE, root mean square of those distances (model units; docs/method.md, Eq. 18).
         rotation: angle of the rotation error (degrees).
         translation: length of the translation error (model units).
     """
@@ -33,7 +34,7 @@ class Scores:
 
 
 def score(scene: Scene, T_model_scene: FloatArray) -> Scores:
-    """Scores of estimated poses, shape (..., 4, 4), of a scene."""
+    """Scores of estimated poses, shape (..., 4, 4), of a scene (docs/method.md, Eq. 17 and 18)."""
     T = np.asarray(T_model_scene, dtype=np.float64)
     points = scene.points[~scene.is_outlier].astype(np.float64)
     squared = ((poses.transform(T, points) - poses.transform(scene.T_model_scene, points)) ** 2).sum(axis=-1)

@@ -1,4 +1,4 @@
-"""Training: many perturbed scenes become a sequence of maps (paper, Algorithm 1)."""
+"""Training: many perturbed scenes become a sequence of maps (paper, Algorithm 1; docs/method.md, "Training")."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def train(
 ) -> Maps:
     """Learn D_1 .. D_K.
 
-    At every map, D_{k+1} = argmin (1/N) Σ ‖x* - x_k + D h(x_k)‖² + λ ‖D‖²_F, then x_{k+1} = x_k - D_{k+1} h(x_k).
-    Ctrl-C ends it; the maps finished by then are returned (`Maps.complete` is False).
+    At every map, D_{k+1} = argmin (1/N) Σ ‖x* - x_k + D h(x_k)‖² + λ ‖D‖²_F, then x_{k+1} = x_k - D_{k+1} h(x_k)
+    (docs/method.md, Eq. 13 and 14). Ctrl-C ends it; the maps finished by then are returned (`Maps.complete` is False).
 
     Args:
         cloud: what training scenes are drawn from.
@@ -87,7 +87,10 @@ def train(
 
 
 def training_scenes(cloud: Cloud, settings: TrainingSettings) -> tuple[SceneBatch, FloatArray]:
-    """The training scenes and their true x* (N, 6): every perturbation uniform in the paper's training range."""
+    """The training scenes and their true x* (N, 6): every perturbation uniform in the paper's training range.
+
+    docs/method.md, Eq. 4.
+    """
     rng = np.random.default_rng(settings.seed)
     names = sorted(RANGES, key=lambda name: RANGES[name].stream)  # their order decides the draws
     low, high = np.array([RANGES[name].train for name in names]).T
@@ -104,6 +107,8 @@ def training_scenes(cloud: Cloud, settings: TrainingSettings) -> tuple[SceneBatc
 
 def solve(h: FloatArray, step: FloatArray, ridge: float) -> FloatArray:
     """The map D = [(1/N) Σ step hᵀ] [(1/N) Σ h hᵀ + λI]⁻¹ that predicts each step from its histogram.
+
+    docs/method.md, Eq. 15.
 
     Args:
         h: histograms, shape (N, n_bins), float32.

@@ -75,7 +75,7 @@ def show(
             first is shown. See `ido.extensions`.
         height: of the frame, pixels.
         port: to listen on; any free one by default.
-        values: of the page, as the fields of `ido_viz.state.State` and of `ido.Perturbation` name them:
+        values: of the page, as the fields of `ido_viz.core.state.State` and of `ido.Perturbation` name them:
             ``show(rotation=90, seed=7, left="ICP, tuned")``.
 
     Raises:

@@ -87,6 +87,8 @@ def _spread(sums: GaussianSums, share: DoubleArray, motion: DoubleArray) -> floa
 class CPD(_DriftingMixture):
     """Coherent Point Drift. Stops when the likelihood changes by less than a share `tolerance`.
 
+    docs/method.md, Eq. 22.
+
     Args:
         outliers: w, the weight of the uniform distribution that outliers come from; its density depends on the units.
     """
@@ -112,7 +114,7 @@ class BCPD(_DriftingMixture):
     """Bayesian Coherent Point Drift without deformation (v = 0) and scale (s = 1), mixing weights fixed (κ = ∞).
 
     What then differs from CPD is the outliers' density, 1/V over the scene's bounding box, the first σ² and when it
-    stops: once σ changes by less than `tolerance`, after 30 iterations at the earliest.
+    stops: once σ changes by less than `tolerance`, after 30 iterations at the earliest. docs/method.md, Eq. 22 and 23.
 
     Args:
         outliers: ω, the probability of an outlier.

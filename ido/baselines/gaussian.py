@@ -89,6 +89,8 @@ def _sums(moved: FloatArray, model: FloatArray, rate: Any, out: FloatArray) -> N
 def soft_share(sums: GaussianSums, sigma2: float, outlier_density: float) -> DoubleArray:
     """The share of each scene point that belongs to the model, Σ_a P_ab = Σ g / (Σ g + c), g = exp(-d² / 2σ²).
 
+    docs/method.md, Eq. 22.
+
     Args:
         sums: of the scene at its pose.
         sigma2: σ².

@@ -20,6 +20,7 @@ from ido.types import DoubleArray, FloatArray
 class GMMReg(Baseline):
     """Every point is a Gaussian of width σ. The mixtures' own norms do not change as the scene moves, so minimising
     the L2 distance maximises f = (1/MS) Σ exp(-|m_a - T s_b|² / σ²), by L-BFGS, from coarse σ to fine.
+    docs/method.md, Eq. 24.
 
     Args:
         normalisation: ``each`` cloud to zero mean and unit mean square, which makes the search one for a similarity
@@ -74,7 +75,7 @@ def pose_of_parameters(parameters: FloatArray) -> DoubleArray:
 def correlation_cost(
     parameters: FloatArray, model: FloatArray, scene: FloatArray, sigma: float
 ) -> tuple[float, DoubleArray]:
-    """-f and its gradient with respect to translation and rotation vector.
+    """-f and its gradient with respect to translation and rotation vector (docs/method.md, Eq. 24).
 
     The gradient with respect to a moved point is g_b = -(2/σ²) (1/MS) Σ_a w_ab (m_a - T s_b). A small change δ of the
     rotation vector φ turns the scene by J_l(φ) δ, J_l being the left Jacobian of SO(3).

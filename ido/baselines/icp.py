@@ -17,7 +17,7 @@ from ido.types import DoubleArray
 
 @dataclass(frozen=True, kw_only=True)
 class ICP(Baseline):
-    """Match nearest points, move by the best rigid pose for the matches, repeat.
+    """Match nearest points, move by the best rigid pose for the matches, repeat (docs/method.md, Eq. 21).
 
     Args:
         search: whose points look for their nearest neighbour. ``scene``: every scene point takes the nearest model

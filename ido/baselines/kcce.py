@@ -22,6 +22,7 @@ from ido.types import DoubleArray
 class KCCE(Baseline):
     """Each scene point corresponds to the kernel-weighted mean of the model points, Σ w m / Σ w, and counts by its
     correlation Σ w, w = exp(-d²/2σ²). Moving by the best pose for these pairs never lowers the correlation Σ_ab w_ab.
+    docs/method.md, Eq. 25.
 
     Args:
         start: first kernel width σ (model units).

@@ -55,7 +55,7 @@ class _Angle(Question):
 
 
 class UpOrDown(_Angle):
-    """Up when θ_s > θ_a, for the elevation θ above the xy plane. docs/method.md, Eq. 7 and 8."""
+    """Up when θ_s > θ_a, for the elevation θ above the xy plane; every point counts 1. docs/method.md, Eq. 7 and 8."""
 
     __slots__ = ()
 
@@ -81,7 +81,7 @@ class UpOrDown(_Angle):
 
 
 class ClockwiseOrAnticlockwise(_Angle):
-    """Clockwise when ω_s > ω_a, for the azimuth ω around z. docs/method.md, Eq. 7 and 8.
+    """Clockwise when ω_s > ω_a, for the azimuth ω around z; every point counts 1. docs/method.md, Eq. 7 and 8.
 
     The names are the paper's; seen from the tip of z, a greater ω lies anticlockwise.
     """

@@ -115,6 +115,7 @@ def weigh(
     """Write Σ w over the points of each scene on the first and on the second side of each model point.
 
     To be called with a constant `by_plane`: the first side lies in front of the point's plane, or within σ of it.
+    docs/method.md, Eq. 5, 6 and 12.
 
     Args:
         boxes: the model.

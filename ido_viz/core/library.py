@@ -201,7 +201,7 @@ class Library:
 
         Args:
             methods: by the name each is shown under: a class made with the shape's cloud (see `ido.extensions`), or a
-                subclass of `ido.Histogram`, on which maps are trained at the size of `ido_viz.plugins.QUICK` when it
+                subclass of `ido.Histogram`, on which maps are trained at the size of `plugins.QUICK` when it
                 is first shown, unless the shape has maps of it already.
 
         Raises:

@@ -12,7 +12,7 @@ import pytest
 from nbclient import NotebookClient
 from playwright.sync_api import Browser
 
-NOTEBOOK = Path(__file__).parents[2] / "assets" / "explorer.ipynb"
+NOTEBOOK = Path(__file__).parents[2] / "assets" / "examples" / "07_notebook.ipynb"
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from explorer import SMALL, Explorer
+from explorer import Explorer
 from playwright.sync_api import Browser, ViewportSize
 
 from ido import Cloud
@@ -19,8 +18,9 @@ from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.run import compute
 from ido_viz.core.state import State
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+EXAMPLE = Path(__file__).parents[2] / "assets" / "examples" / "04_own_method.py"
 PERSONAL = "Point to plane"
+WINDOW = ViewportSize(width=1200, height=700)  # software rendering takes its time for each pixel
 
 
 class Broken:
@@ -36,12 +36,9 @@ class Broken:
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    """With the README's own method, and a broken one."""
-    (text,) = (text for text in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "class PointToPlane" in text)
-    file = tmp_path_factory.mktemp("own") / "readme_module.py"
-    file.write_text(text, encoding="utf-8")
-    return shipped_library().with_methods({PERSONAL: find_class(f"{file}:PointToPlane"), "Broken": Broken})
+def library() -> Library:
+    """With the example's own method, and a broken one."""
+    return shipped_library().with_methods({PERSONAL: find_class(f"{EXAMPLE}:PointToPlane"), "Broken": Broken})
 
 
 @pytest.fixture
@@ -49,7 +46,7 @@ def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], E
     opened: list[Explorer] = []
 
     def open_page(state: State) -> Explorer:
-        page = browser.new_page(viewport=ViewportSize(width=SMALL[0], height=SMALL[1]))
+        page = browser.new_page(viewport=WINDOW)
         opened.append(Explorer(App(state, library=library, port=0), page))
         return opened[-1].open()
 

@@ -6,6 +6,7 @@ import csv
 import re
 from collections.abc import Sequence
 from html.parser import HTMLParser
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,16 +19,17 @@ from ido.experiments.estimates import Costs, estimate, sweep_estimate
 from ido.experiments.families import COMPARED_METHODS, FAMILIES
 from ido.experiments.figures_learning import training_figure
 from ido.experiments.figures_sweeps import sweeps_figure
-from ido.experiments.paper import PAPER_METHODS, PAPER_TABLES, ROW_NAMES
+from ido.experiments.paper import PAPER_METHODS, PAPER_TABLES, ROW_NAMES, PaperTable
 from ido.experiments.report import report_command
 from ido.experiments.report_page import figure_html, page
 from ido.experiments.report_tables import levels_table, score_table, settings_table, settings_text, time_text
 from ido.experiments.store import Row, Store
-from ido.methods import BASELINES, LEARNED
+from ido.methods import BASELINES, LEARNED, method_names
 from ido.shipped import shipped_maps, shipped_results
 
 SETTINGS = {("bunny", name): {"cutoff": 0.3, "fingerprint": "f00d"} for name in ("DO", "ICP, tuned", "Did nothing")}
 RUN = ("DO", "ICP, tuned", "Did nothing")
+RESULTS_TEXT = (Path(__file__).parents[3] / "assets" / "docs" / "results.md").read_text(encoding="utf-8")
 MISSING_LEVELS = ("ICP, tuned", "rotation", 2)
 """A method, a sweep and how many of its levels were run."""
 
@@ -107,25 +109,79 @@ def test_the_papers_tables_hold_what_it_prints():
     ]
 
 
-@pytest.mark.parametrize("dataset", ["bunny", "urban"])
-def test_the_readmes_tables_are_the_shipped_results_and_the_papers_numbers(dataset: str):
-    readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
-    lines = readme[readme.index(f"| {dataset} | noise |") :].splitlines()
-    printed = next(table for table in PAPER_TABLES if (table.dataset, table.score) == (dataset, "accuracy")).values
+def document_tables() -> dict[str, list[list[str]]]:
+    """All tables of the results document that the script writes, by name; the cells of each, the head first."""
+    parts = re.findall(r"<!-- begin (\S+) -->\n(.*?)\n<!-- end", RESULTS_TEXT, re.DOTALL)
+    return {
+        name: [[cell.strip() for cell in line[1:-1].split("|")] for line in part.splitlines() if "---" not in line]
+        for name, part in parts
+        if part.startswith("|")
+    }
+
+
+def mean_of_levels(results: Results, sweep: str, score: str) -> float:
+    run = results.where(sweep=sweep)
+    return float(np.mean([np.nanmean(getattr(run, score)[run.level == level]) for level in LEVELS[sweep]]))
+
+
+@pytest.mark.parametrize("printed", PAPER_TABLES, ids=lambda table: f"{table.dataset}-{table.score}")
+def test_the_documents_tables_are_the_shipped_results_and_the_papers_numbers(printed: PaperTable):
+    (head, *rows) = document_tables()[f"{printed.dataset}-{printed.score}"]
+    assert head == [printed.dataset, *LEVELS]
+    results, papers_rows = shipped_results().where(dataset=printed.dataset), 0
+    for method, *texts in rows:
+        of_method, of_paper = results.where(method=method), re.split(r",| \(rec", method)[0]
+        assert len(of_method)
+        for sweep, cell in zip(LEVELS, texts, strict=True):
+            mean, half, *papers = map(float, re.findall(r"[\d.]+", cell))
+            assert abs(mean_of_levels(of_method, sweep, printed.score) - mean) < 0.00051
+            assert abs(sweep_estimate(of_method, sweep, printed.score).half - half) < 0.00051
+            assert papers == ([printed.values[sweep][of_paper]] if of_paper in PAPER_METHODS else [])
+        papers_rows += of_paper in PAPER_METHODS
+    assert papers_rows == len(PAPER_METHODS)
+    assert {row[0] for row in rows} >= {name for name in LEARNED if len(results.where(method=name))}
+
+
+def test_the_documents_summary_is_the_mean_over_the_sweeps():
+    _, *rows = document_tables()["summary"]
     results, checked = shipped_results(), 0
-    for line in lines[2:]:
-        if not line:
-            break
-        method, *cells = [cell.strip() for cell in line.strip("|").split("|")]
-        of_paper = re.split(r",| \(", method)[0]
-        for sweep, cell in zip(LEVELS, cells, strict=True):
-            ours, papers = map(float, re.fullmatch(r"([\d.]+) \(([\d.]+)\)", cell).groups())  # type: ignore[union-attr]
-            run = results.where(dataset=dataset, sweep=sweep, method=method)
-            means = [run.accuracy[run.level == level].mean() for level in LEVELS[sweep]]
-            assert abs(np.mean(means) - ours) < 0.00051
-            assert printed[sweep][of_paper] == papers
-            checked += 1
-    assert checked == 7 * 6
+    for title, *texts, time in rows:
+        tuned = f"{title}, tuned" in BASELINES
+        names = (f"{title}, default", f"{title}, tuned") if tuned else (title, "")
+        for dataset, (papers, *ours) in zip(("bunny", "urban"), (texts[:3], texts[3:]), strict=True):
+            printed = next(t for t in PAPER_TABLES if (t.dataset, t.score) == (dataset, "accuracy")).values
+            of_paper = title.removesuffix(" (reconstruction)")
+            means = [row[of_paper] for row in printed.values()] if of_paper in PAPER_METHODS else []
+            assert (abs(np.mean(means) - float(papers)) < 0.00051) if means else papers == ""
+            for name, text in zip(names, ours, strict=True):
+                run = results.where(dataset=dataset, method=name)
+                assert bool(text) == bool(len(run))
+                if text:
+                    assert abs(np.mean([mean_of_levels(run, s, "accuracy") for s in LEVELS]) - float(text)) < 0.00051
+                    checked += 1
+        if time:
+            seconds = results.where(dataset="bunny", method=names[1] or names[0]).seconds
+            assert abs(float(np.median(seconds)) * 1e3 - float(time.removesuffix(" ms"))) <= 0.5
+    assert checked == len(set(zip(results.dataset.tolist(), results.method.tolist(), strict=True)))
+
+
+def test_the_documents_differences_are_those_on_the_same_scenes():
+    (_, _, *sweeps, _), *rows = document_tables()["pairs"]
+    for dataset, pair, *texts in rows:
+        runs = [shipped_results().where(dataset=dataset, method=name) for name in pair.split(" - ")]
+        for sweep, text in zip(sweeps, texts[:-1], strict=True):
+            means = [mean_of_levels(run, sweep, "accuracy") for run in runs]
+            assert abs(means[0] - means[1] - float(text.split(" ")[0])) < 0.00051
+        assert abs(np.mean([float(text.split(" ")[0]) for text in texts[:-1]]) - float(texts[-1].split(" ")[0])) < 0.001
+    near = next(row for row in rows if row[1] == "Improved DO (near / far) - Improved DO")
+    means, halves = zip(*(map(float, text.split(" ± ")) for text in near[2:]), strict=True)
+    assert all(abs(mean) < half for mean, half in zip(means, halves, strict=True)), "the text says they are equal"
+    told = re.findall(r"[+-]\d\.\d{3} ± \d\.\d{3}", RESULTS_TEXT[RESULTS_TEXT.index("## What this says") :])
+    assert told and set(told) <= {text for row in rows for text in row}
+    for method, error in (("triple-binary", "0.0036"), ("front-back", "0.0077"), ("quadruple-binary", "0.0014")):
+        assert f"{shipped_maps('bunny', method).curves.mean[-1]:.4f}" == error and error in RESULTS_TEXT
+    curves = [shipped_maps("bunny", name).curves.mean for name in ("front-back", "triple-binary", "quadruple-binary")]
+    assert all((better[1:] < worse[1:]).all() for worse, better in pairwise(curves)), "the text says so"
 
 
 def test_exactly_the_repeated_rows_are_marked():
@@ -257,8 +313,9 @@ def test_what_was_not_run_says_so_and_is_never_a_number(folder: Path, results: R
     html = (folder / "report.html").read_text(encoding="utf-8")
     assert "The sweeps of this cloud were not run." in html
     assert "The number of scenes at a level is uneven, 2 to 8; the paper has 100." in html
-    run = sum(len(levels) for levels in LEVELS.values()) * 3 - 5
-    assert f"Not everything was run:</b> {run} of {34 * (14 + 13)} levels" in html
+    n_levels = sum(len(levels) for levels in LEVELS.values())
+    n_methods = len(method_names("bunny")) + len(method_names("urban"))
+    assert f"Not everything was run:</b> {3 * n_levels - 5} of {n_levels * n_methods} levels" in html
 
 
 def test_the_page_tells_what_a_reader_must_know(folder: Path):

@@ -37,7 +37,7 @@ def test_every_claim_has_one_check_and_every_check_its_claim() -> None:
 
 @pytest.mark.parametrize(("name", "step"), CLAIMS.items(), ids=CLAIMS)
 def test_every_claim_holds(name: str, step: Step) -> None:
-    assert name in CHECKS, f"add a check of {name} in tests/checks"
+    assert name in CHECKS, f"add a check of {name} in tests/helpers/checks"
     assert CHECKS[name](run_of(step.state)) is True
 
 
