@@ -60,12 +60,12 @@ def main() -> int:
     except (StateError, ContentError, CloudError, MapsError, OwnError, OSError, OverflowError) as error:
         print(f"ido-viz: {error}", file=sys.stderr)
         return 2
-    print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)
-    # compiles on the very first start, and loads clouds and maps, while the browser loads the page
-    threading.Thread(target=warm_up, args=(state, library), daemon=True).start()
-    if options.open:
-        webbrowser.open(app.url)
     try:
+        print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)
+        # compiles on the very first start, and loads clouds and maps, while the browser loads the page
+        threading.Thread(target=warm_up, args=(state, library), daemon=True).start()
+        if options.open:
+            webbrowser.open(app.url)
         app.server.sleep_forever()
     except KeyboardInterrupt:
         app.stop()

@@ -20,7 +20,8 @@ POINTS = np.random.default_rng(0).normal([300, -20, 5], [40, 10, 2], (60, 3))
 
 
 def write_trimesh(path: Path, points: FloatArray) -> None:
-    trimesh.PointCloud(points).export(path)
+    colors = np.full((len(points), 4), 255, dtype=np.uint8)  # before 5.2 trimesh writes no XYZ without
+    trimesh.PointCloud(points, colors=colors).export(path)
 
 
 def write_open3d(path: Path, points: FloatArray) -> None:
