@@ -14,7 +14,7 @@ from ido.perturbation import LARGEST_SEED, OutlierKind
 from ido_viz.core.actions import Actions, plain
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
-from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, MOST_MAPS, BinOrder, Overlay, Part, State
+from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, Overlay, Part, State
 from ido_viz.panels.playback import Playback
 from ido_viz.panels.sharing import ShareFolder
 
@@ -207,7 +207,7 @@ class Controls:
             speed=_within(value["speed"], 1, 60, State().speed),
             order=value["order"],
             difference=value["difference"],
-            pinned_map=0 if value["follow"] else _within(value["pinned_map"], 1, MOST_MAPS, 1),
+            pinned_map=0 if value["follow"] else _within(value["pinned_map"], 1, self._inputs["pinned_map"].max, 1),
             ghost=value["ghost"],
             error_vectors=value["error_vectors"],
             overlay=value["overlay"],

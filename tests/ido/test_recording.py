@@ -309,7 +309,9 @@ def test_numbers_that_are_not_finite_are_refused(saved: Path, name: str, value: 
 
 @pytest.mark.parametrize("name", ARRAYS)
 @pytest.mark.parametrize(
-    "change", [lambda a: a[None], lambda a: a.astype(str), lambda a: np.zeros(0), lambda a: a[1:]], ids=str
+    "change",
+    [lambda a: a[None], lambda a: a.astype(str), lambda a: np.zeros(0), lambda a: a[1:]],
+    ids=["another axis", "text", "empty", "one less"],
 )
 def test_parts_of_another_shape_or_kind_are_refused(saved: Path, name: str, change: Callable[[np.ndarray], np.ndarray]):
     with pytest.raises(RunError):
@@ -322,7 +324,11 @@ def test_a_missing_part_is_refused(saved: Path, name: str):
         load_run(rewrite(saved, lambda arrays: arrays.pop(name)))
 
 
-@pytest.mark.parametrize("change", [lambda k: k + 1, lambda k: k - 1, lambda k: k[::-1], lambda k: 0 * k], ids=str)
+@pytest.mark.parametrize(
+    "change",
+    [lambda k: k + 1, lambda k: k - 1, lambda k: k[::-1], lambda k: 0 * k],
+    ids=["later", "earlier", "backwards", "the first"],
+)
 def test_iterations_that_were_not_there_are_refused(saved: Path, change: Callable[[np.ndarray], np.ndarray]):
     name = "method1_histogram_iterations"
     with pytest.raises(RunError, match="method 1: its histogram_iterations do not rise"):
