@@ -20,7 +20,7 @@ from ido_viz.core.run import Run, make_scene
 from ido_viz.core.state import State
 from ido_viz.session import Session
 
-PATIENCE = 15.0  # seconds; only a failing test waits that long
+PATIENCE = 40.0  # seconds; only a failing test waits that long
 QUIET = 0.2  # seconds without a frame after which nothing more is to come
 LENGTH = 12
 PAUSED = State(
