@@ -141,7 +141,9 @@ def _azimuth_key(x: float, y: float, z: float) -> float:
 
 @njit(cache=True, inline="always")
 def _rank(key: float, ranks: Ranks, reach: float) -> int:
-    """How many of the model's keys are smaller than a key in ±reach."""
+    """How many of the model's keys are smaller than a key in ±reach; of a point that is not finite, none."""
+    if not key >= -reach:  # NaN, which would look beyond the table
+        return 0
     rank = ranks.table[min(_CELLS - 1, int((key + reach) * (_CELLS / (2 * reach))))]
     while rank < len(ranks.keys) and ranks.keys[rank] < key:
         rank += 1

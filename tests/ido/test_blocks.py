@@ -88,6 +88,16 @@ def test_the_compiled_loop_counts_what_is_defined(question: Question, small_mode
     assert (compiled[1, 2:4] == 0).all()
 
 
+@EACH
+def test_points_that_are_not_finite_lead_no_loop_out_of_bounds(question: Question, small_model: Model, bunny: Cloud):
+    moved = moved_scene(bunny)
+    moved[::3], moved[1::7, 2] = np.nan, np.inf
+    out = np.zeros((1, 2, len(small_model.points)), dtype=np.float32)
+    question.count(question.layout(small_model), moved, np.array([0, len(moved)]), out, 0)
+    if (question.weights(small_model.points, moved[:1]) == 1).all():  # every point counts, on one side or the other
+        assert (out[0].sum(axis=0) == len(moved)).all()
+
+
 @pytest.mark.parametrize("seed", range(4))
 @EACH
 def test_the_surface_is_where_the_answer_changes(question: Question, seed: int):
