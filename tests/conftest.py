@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
 from ido import Cloud, FrontBack, Maps, Model, TrainingSettings, shipped_cloud, train
 
 SMALL_MODEL = 80
 SMALL_TRAINING = TrainingSettings(samples=600, maps=8)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let linear algebra use one thread in each of several workers: more would only wait for each other."""
+    if config.getoption("numprocesses", None):
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the workers, which start later
 
 
 @pytest.fixture(scope="session")

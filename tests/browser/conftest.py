@@ -20,12 +20,19 @@ FLAGS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--disable-accelerated-2d-canvas",
+    "--disable-gpu-compositing",  # without a graphics card, drawing what changed alone is several times faster
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
 ]
+
+
+WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
+    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
+        if (of.prototype[name]) of.prototype[name] = () => {};"""
+"""A page's 3D scene without its pixels: drawn in software, they take most of the time of a browser test."""
 
 
 def chromium() -> str | None:
@@ -61,13 +68,21 @@ def app_for() -> Iterator[Callable[[State], App]]:
 
 
 @pytest.fixture
-def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
-    """Opens pages that begin with a state, by default at the end of a registration and not playing."""
+def open_explorer(
+    request: pytest.FixtureRequest, browser: Browser, app_for: Callable[[State], App]
+) -> Iterator[OpenExplorer]:
+    """Opens pages that begin with a state, by default at the end of a registration and not playing.
+
+    Their 3D scene is drawn for tests with the mark `looks_at_canvas` alone.
+    """
     opened: list[Explorer] = []
+    draws = request.node.get_closest_marker("looks_at_canvas") is not None
 
     def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
         viewport = ViewportSize(width=size[0], height=size[1])
         explorer = Explorer(app_for(state), browser.new_page(viewport=viewport))
+        if not draws:
+            explorer.page.add_init_script(WITHOUT_DRAWING)
         opened.append(explorer)
         if wait:
             explorer.open()

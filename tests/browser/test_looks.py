@@ -12,7 +12,10 @@ from PIL import Image
 from ido_viz.core import palette
 from ido_viz.core.state import LAST, State
 
-pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+pytestmark = [
+    pytest.mark.looks_at_canvas,
+    pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning"),
+]
 AT_THE_START = State(playing=False, iteration=0)
 DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
