@@ -140,7 +140,12 @@ def test_own_methods_are_on_offer_for_every_shape_and_compared(open_own: OpenOwn
         assert methods.index("DO") < methods.index("Drift") < methods.index("Did nothing")
         assert not library.entry(shape, "Drift").quick
     ended = threading.Event()
-    comparison = Comparison(library, lambda: len(comparison.rows) < len(comparison.methods) or ended.set())
+
+    def look() -> None:
+        if len(comparison.rows) == len(comparison.methods):
+            ended.set()
+
+    comparison = Comparison(library, look)
     comparison.begin(PAUSED)
     assert ended.wait(PATIENCE)
     rows = {row.method: row for row in comparison.rows}
