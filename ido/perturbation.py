@@ -7,13 +7,14 @@ larger noise scales the same noise, more outliers keep the earlier ones, a longe
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 
 from ido.clouds import Cloud
 from ido.kernels import pose_of
+from ido.poses import invert, transform
 from ido.types import BoolArray, FloatArray
 
 OutlierKind = Literal["uniform", "structured"]
@@ -110,6 +111,22 @@ class Scene:
     is_outlier: BoolArray
     T_model_scene: FloatArray
 
+    def moved(self, T: FloatArray) -> Scene:
+        """The scene moved as a whole, outliers and all, by a pose T, shape (4, 4)."""
+        return replace(
+            self,
+            points=transform(T, self.points).astype(np.float32),
+            T_model_scene=self.T_model_scene @ invert(T),
+        )
+
+
+def start_pose(perturbation: Perturbation) -> FloatArray:
+    """T_scene_model of a perturbation: a turn about a random axis and a shift in a random direction; shape (4, 4)."""
+    p = perturbation
+    T = pose_of(np.concatenate([np.zeros(3), _direction(_stream(p.seed, "rotation")) * np.deg2rad(p.rotation)]))
+    T[:3, 3] = _direction(_stream(p.seed, "translation")) * p.translation
+    return T
+
 
 def perturb(cloud: Cloud, perturbation: Perturbation) -> Scene:
     """The scene that a perturbation makes of a cloud (docs/method.md, Eq. 4).
@@ -119,9 +136,8 @@ def perturb(cloud: Cloud, perturbation: Perturbation) -> Scene:
     """
     p = perturbation
     drawn = (_stream(p.seed, "points").random(p.points) * len(cloud.points)).astype(np.int64)
-    axis_angle = _direction(_stream(p.seed, "rotation")) * np.deg2rad(p.rotation)
-    R = pose_of(np.concatenate([np.zeros(3), axis_angle]))[:3, :3]
-    t = _direction(_stream(p.seed, "translation")) * p.translation
+    T = start_pose(p)
+    R, t = T[:3, :3], T[:3, 3]
     points = cloud.points[drawn] @ R.T + t
     points += p.noise * _stream(p.seed, "noise").standard_normal((p.points, 3))
     points = points[_kept(points, _direction(_stream(p.seed, "incomplete")), p.incomplete)]

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from ido.types import FloatArray
 
@@ -45,6 +45,15 @@ def transform(T: FloatArray, points: FloatArray) -> FloatArray:
     """Points moved by a pose: shape (..., S, 3) for T (..., 4, 4) and points (..., S, 3) (docs/method.md, Eq. 1)."""
     T = np.asarray(T, dtype=np.float64)
     return points @ np.swapaxes(T[..., :3, :3], -1, -2) + T[..., None, :3, 3]
+
+
+def between(start: FloatArray, end: FloatArray, share: float) -> FloatArray:
+    """The pose a share of the way from one to another, both (4, 4): turned evenly, and shifted along a line."""
+    turn = Slerp([0.0, 1.0], Rotation.from_matrix(np.stack([start[:3, :3], end[:3, :3]])))(share)
+    T = np.eye(4)
+    T[:3, :3] = turn.as_matrix()
+    T[:3, 3] = (1 - share) * start[:3, 3] + share * end[:3, 3]
+    return T
 
 
 def invert(T: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ido import poses
 from ido.perturbation import Scene
-from ido.types import FloatArray
+from ido.types import BoolArray, FloatArray
 
 ACCURACY_THRESHOLD = 0.1
 """t_pt: a point within this distance of its true place counts as registered (model units)."""
@@ -33,11 +33,20 @@ class Scores:
     translation: FloatArray
 
 
+def registered(scene: Scene, T_model_scene: FloatArray) -> BoolArray:
+    """Which of the true scene points lie within 0.1 of their true place at poses (..., 4, 4); shape (..., n)."""
+    return _squared_errors(scene, np.asarray(T_model_scene, dtype=np.float64)) < ACCURACY_THRESHOLD**2
+
+
+def _squared_errors(scene: Scene, T: FloatArray) -> FloatArray:
+    points = scene.points[~scene.is_outlier].astype(np.float64)
+    return ((poses.transform(T, points) - poses.transform(scene.T_model_scene, points)) ** 2).sum(axis=-1)
+
+
 def score(scene: Scene, T_model_scene: FloatArray) -> Scores:
     """Scores of estimated poses, shape (..., 4, 4), of a scene (docs/method.md, Eq. 17 and 18)."""
     T = np.asarray(T_model_scene, dtype=np.float64)
-    points = scene.points[~scene.is_outlier].astype(np.float64)
-    squared = ((poses.transform(T, points) - poses.transform(scene.T_model_scene, points)) ** 2).sum(axis=-1)
+    squared = _squared_errors(scene, T)
     difference = scene.T_model_scene[:3, :3].T @ T[..., :3, :3]
     return Scores(
         accuracy=(squared < ACCURACY_THRESHOLD**2).mean(axis=-1),

@@ -6,11 +6,14 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from ido.clouds import Cloud, Orientation, load_cloud
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps
 from ido.perturbation import OutlierKind
 from ido.results import Results
+from ido.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +46,19 @@ def asset(name: str) -> Path:
 def shipped_cloud(shape: str) -> Cloud:
     """A shipped cloud by name, `bunny` or `urban`."""
     return Cloud.of(load_cloud(asset(f"{shape}.ply")))
+
+
+@cache
+def shipped_surface(shape: str) -> tuple[FloatArray, IntArray] | None:
+    """A shape's surface for pictures, in model units: vertices (V, 3) and faces (F, 3); None for one that has none."""
+    file = asset(f"{shape}-surface.ply")
+    if not file.is_file():
+        return None
+    import trimesh  # takes a while to import
+
+    mesh = trimesh.load_mesh(file, process=False)
+    vertices = shipped_cloud(shape).frame.to_model_units(np.asarray(mesh.vertices))
+    return vertices.astype(np.float32), np.asarray(mesh.faces)
 
 
 @cache

@@ -10,3 +10,4 @@ from numpy.typing import NDArray
 DoubleArray = NDArray[np.float64]
 FloatArray = NDArray[np.floating[Any]]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.integer[Any]]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import viser
 
 from ido_viz.canvas.canvas import Canvas
@@ -11,10 +9,11 @@ from ido_viz.core.actions import Actions
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
-from ido_viz.core.state import Part, State
+from ido_viz.core.state import State
 from ido_viz.files.downloads import DownloadFolder
+from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
-from ido_viz.panels.controls import FOLDER_ORDER, Controls
+from ido_viz.panels.controls import Controls
 from ido_viz.panels.errors_tab import ErrorsTab
 from ido_viz.panels.help_tab import HelpTab
 from ido_viz.panels.histograms_tab import HistogramsTab
@@ -26,6 +25,8 @@ from ido_viz.panels.training_tab import TrainingTab
 from ido_viz.teach.derivations_tab import DerivationsTab
 from ido_viz.teach.lesson_folder import LessonFolder
 from ido_viz.teach.preset_folder import PresetFolder
+
+_BRAND = ((0, 114, 178), (0, 136, 208))  # of a light and of a dark page, for text on it must be readable
 
 
 class Page:
@@ -43,10 +44,13 @@ class Page:
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
         self._gui = gui
+        self._captions = Captions(gui)
         self._controls = Controls(client, library, state, actions)
-        lessons = LessonFolder(gui, actions.open_page, state, order=-1)  # on top, so that the charts stay in sight
-        presets = PresetFolder(gui, actions.open_page, FOLDER_ORDER["presets"])
-        downloads = DownloadFolder(client, actions.shown, FOLDER_ORDER["download"])
+        with self._controls.tabs["Learn"]:
+            lessons = LessonFolder(gui, actions.open_page, state)
+            presets = PresetFolder(gui, actions.open_page)
+        with self._controls.tabs["Share"]:
+            downloads = DownloadFolder(client, actions.shown)
         upper = gui.add_panel(order=0)
         with upper.add_tab("Histograms"):
             self._histograms = HistogramsTab(gui, client.camera.image_height)
@@ -69,10 +73,10 @@ class Page:
         with lower.add_tab("Inspect"):
             self._inspect = InspectTab(gui, state, actions.inspect)
         self._placing = Placing(gui, upper, lower)
-        self._parts: dict[Part, list[Any]] = {part: [handle] for part, handle in self._controls.parts.items()}
+        self._parts = self._controls.parts
         self._parts |= {"lessons": [lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
         self._parts["scores"] += telling
-        self._canvas = Canvas(client, actions.click)
+        self._canvas = Canvas(client, actions)
         self._dark: bool | None = None
 
     def read(self, state: State) -> tuple[State, bool]:
@@ -100,11 +104,16 @@ class Page:
         self._sweeps.draw(state)
         self._derivations.draw(state.dark)
         self._controls.draw(frame, may_cancel=may_cancel)
+        self._captions.draw(frame)
+
+    def move(self, frame: Frame) -> None:
+        """Move both scenes to where a frame has them, and nothing else."""
+        self._canvas.move(frame)
 
     def _set_theme(self, dark: bool) -> None:
         if dark != self._dark:
             self._gui.configure_theme(
-                dark_mode=dark, show_logo=False, show_share_button=False, brand_color=(0, 114, 178)
+                dark_mode=dark, show_logo=False, show_share_button=False, brand_color=_BRAND[dark]
             )
             self._dark = dark
 

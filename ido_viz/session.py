@@ -21,17 +21,26 @@ from ido import Perturbation
 from ido.types import FloatArray
 from ido_viz.canvas.canvas import point_at
 from ido_viz.core.actions import Actions
+from ido_viz.core.clock import Clock
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame, frame_of, shown_iteration
+from ido_viz.core.hand import Hand
+from ido_viz.core.history import History
 from ido_viz.core.library import Library
 from ido_viz.core.live_run import LiveRun
-from ido_viz.core.run import Run
-from ido_viz.core.state import LAST, NO_POINT, State, StateError, decode
+from ido_viz.core.run import Run, scene_inputs
+from ido_viz.core.state import LAST, NO_CAMERA, NO_POINT, NO_START, State, StateError, decode
 from ido_viz.core.sweep_results import Choice
 from ido_viz.page import Page
 
-FRAME = 1 / 30
-"""Seconds between frames while playing."""
+FIRST_LOOK = 2.0
+"""Seconds that a new page stands still before it plays."""
+
+UNSEEN = 10.0
+"""Seconds after which it plays even if the page never told that it shows anything."""
+
+AFTER_A_CHANGE = 0.7
+"""Seconds without another change of the scene, after which it is played."""
 
 _LARGEST_NEW_SEED = 9_999  # short enough to be told across a room
 
@@ -54,8 +63,11 @@ class Session:
         self._drawn: Frame | None = None
         self._live = LiveRun(library, self._wake)
         self._comparison = Comparison(library, self._wake)
-        self._position = float(max(state.iteration, 0))  # the iteration while playing, with its fraction
-        self._ticked = time.perf_counter()
+        self._clock = Clock(max(state.iteration, 0))
+        self._first_look = False  # whether a page that plays has yet to be seen
+        self._in_hand = False  # whether what is waited for is the end of a change
+        self._history = History(state)
+        self._hand = Hand()
         self._thread = threading.Thread(target=self._serve, name=f"session-{client.client_id}", daemon=True)
 
     def start(self) -> None:
@@ -72,15 +84,23 @@ class Session:
 
     # What was asked, by the widgets' callbacks
 
-    def _change(self, change: Callable[[State], State], *, show: bool = False) -> None:
+    def _change(self, change: Callable[[State], State], *, show: bool = False, replays: bool = False) -> None:
         with self._awake:
             if self._read_controls:  # what was asked before comes first
                 self._read()
-            self._state = change(self._state)
+            before, self._state = self._state, change(self._state)
+            if replays and self._state.replay and scene_inputs(self._state) != scene_inputs(before):
+                self._replay()
             if show and self._page is not None:
                 self._page.show(self._state)
             self._dirty = True
             self._awake.notify()
+
+    def _replay(self) -> None:
+        """Show the start, and play once nothing changes any more; called with the lock held."""
+        self._state = replace(self._state, iteration=0, playing=True)
+        self._clock.start(0.0, AFTER_A_CHANGE)
+        self._first_look, self._in_hand = False, True
 
     def _changed(self) -> None:
         with self._awake:
@@ -128,14 +148,42 @@ class Session:
         if found:
             self._change(lambda state: replace(state, inspected_pane=found[0], inspected=found[1]))
 
+    def _grab(self, pane: int, phase: str, T_handles: FloatArray) -> None:
+        start = None if self._drawn is None else self._hand.start_pose(self._drawn, pane, phase, T_handles)
+        if start is not None:
+            self._change(lambda state: replace(state, start=start), show=True, replays=True)
+
+    def _look(self, camera: tuple[float, ...]) -> None:
+        with self._awake:  # nothing but the code has to be written anew, which the next frame does
+            self._state = replace(self._state, camera=camera)
+
+    def _seen(self) -> None:
+        with self._awake:
+            if self._first_look and self._clock.waits:  # nobody has stepped or changed anything yet
+                self._clock.start(0.0, FIRST_LOOK)
+            self._first_look = False
+
+    def _undo(self) -> None:
+        self._go_to(History.undone)
+
+    def _redo(self) -> None:
+        self._go_to(History.redone)
+
+    def _go_to(self, there: Callable[[History], History]) -> None:
+        def gone(state: State) -> State:
+            self._history = there(self._history.with_state(state, time.perf_counter()))
+            return self._history.now
+
+        self._change(gone, show=True)
+
     def _play(self) -> None:
         def toggled(state: State) -> State:
             if state.playing:
                 return replace(state, playing=False)
             at_end = self._shown(state) >= (self._run.iterations if self._run else 0)
-            self._position = 0.0 if at_end else float(self._shown(state))
-            self._ticked = time.perf_counter()
-            return replace(state, playing=True, iteration=int(self._position))
+            position = 0 if at_end else self._shown(state)
+            self._clock.start(position)
+            return replace(state, playing=True, iteration=position)
 
         self._change(toggled)
 
@@ -147,14 +195,19 @@ class Session:
 
     def _new_seed(self) -> None:
         seed = random.randint(0, _LARGEST_NEW_SEED)
-        self._change(lambda s: replace(s, perturbation=replace(s.perturbation, seed=seed)), show=True)
+        self._change(
+            lambda s: replace(s, perturbation=replace(s.perturbation, seed=seed), start=NO_START),
+            show=True,
+            replays=True,
+        )
 
     def _paper_defaults(self) -> None:
         def reset(state: State) -> State:
             kind = self._library.subject(state.shape).outlier_kind
-            return replace(state, perturbation=Perturbation(outlier_kind=kind, seed=state.perturbation.seed))
+            perturbation = Perturbation(outlier_kind=kind, seed=state.perturbation.seed)
+            return replace(state, perturbation=perturbation, start=NO_START)
 
-        self._change(reset, show=True)
+        self._change(reset, show=True, replays=True)
 
     def _apply_code(self, code: str) -> None:
         if not code.strip():  # cleared, to paste another
@@ -171,8 +224,8 @@ class Session:
         """Show a prepared page; unless the whole of it is wanted, it keeps the look that was chosen for the room."""
 
         def begin(now: State) -> State:
-            self._position = float(max(state.iteration, 0))
-            self._ticked = time.perf_counter()
+            self._in_hand = False
+            self._clock.start(max(state.iteration, 0), FIRST_LOOK if state.iteration == 0 else 0.0)
             if whole:
                 return state
             return replace(state, dark=now.dark, large_text=now.large_text, hidden=now.hidden)
@@ -209,6 +262,12 @@ class Session:
             show_all=lambda: self._change(lambda state: replace(state, hidden=()), show=True),
             inspect=self._inspect,
             click=self._click,
+            grab=self._grab,
+            look=self._look,
+            seen=self._seen,
+            reset_view=lambda: self._change(lambda state: replace(state, camera=NO_CAMERA)),
+            undo=self._undo,
+            redo=self._redo,
             redraw=self._wake,
             shown=lambda: self._drawn,
         )
@@ -224,15 +283,15 @@ class Session:
         self._page = page
         while True:
             with self._awake:
-                wait = FRAME - (time.perf_counter() - self._ticked) if self._state.playing else None
+                wait = self._clock.next_frame if self._state.playing else None
                 if not self._dirty and not self._closed:
-                    self._awake.wait(None if wait is None else max(wait, 0.0))
+                    self._awake.wait(wait)
                 if self._closed:
                     return
             try:
                 with self._awake:
-                    state, show = self._take()
-                self._frame(page, state, show)
+                    state, show, asked = self._take()
+                self._frame(page, state, show, asked)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))
             except Exception as error:  # the page must outlive whatever goes wrong in one frame
@@ -249,43 +308,58 @@ class Session:
         )
         self._tell("This page cannot be shown", reason)
 
-    def _take(self) -> tuple[State, bool]:
-        """The newest state, with the controls read and the playing moved on; called with the lock held."""
-        self._dirty = False
+    def _take(self) -> tuple[State, bool, bool]:
+        """The newest state, with the controls read and the playing moved on; called with the lock held.
+
+        Also whether the controls must be shown, and whether anything but the playing asks for a frame.
+        """
+        asked, self._dirty = self._dirty, False
         show = self._read() if self._read_controls else False
-        state, now = self._state, time.perf_counter()
-        if state.playing and self._run is not None and not self._live.waiting:  # both panes set out together
-            self._position += (now - self._ticked) * state.speed
-            state = self._at(state, int(self._position))
+        state = self._state
+        if state.playing and self._run is not None:
+            self._clock.tick(state.speed, moves=not self._live.waiting)  # both panes set out together
+            state = self._at(state, int(self._clock.position))
             if state.iteration == LAST or self._run.iterations == 0:
                 state = replace(state, playing=False)
-        self._ticked = now
         self._state = state
-        return state, show
+        self._history = self._history.with_state(state, time.perf_counter())
+        return state, show, asked
 
     def _read(self) -> bool:
         """Take over the controls' values; whether the controls must be shown what became of them."""
         if self._page is None:  # still being built
             return False
         self._read_controls = False
-        shape = self._state.shape
-        self._state, usable = self._page.read(self._state)
-        if self._state.shape != shape:
+        before = self._state
+        self._state, usable = self._page.read(before)
+        if self._state.shape != before.shape:
             self._state = self._library.at_shape(self._state, self._state.shape)
-        return not usable or self._state.shape != shape
+        if self._state.replay and scene_inputs(self._state) != scene_inputs(before):
+            self._replay()
+        return not usable or self._state.shape != before.shape
 
-    def _frame(self, page: Page, state: State, show: bool) -> None:
+    def _frame(self, page: Page, state: State, show: bool, asked: bool) -> None:
         first = self._run is None
         begun = self._live.begin(state)
         with self._awake:
             if self._closed:
                 self._live.close()
                 return
-            self._run = run = self._live.collect()
-            if first and begun:
-                self._ticked = time.perf_counter()
-        assert run is not None
-        frame = frame_of(run, state)
+            run = self._live.collect()
+            assert run is not None
+            self._run = run
+            self._clock.follow(run)
+            if first and begun and state.playing and state.iteration == 0:
+                self._clock.start(0.0, UNSEEN)
+                self._first_look = True
+        held = self._in_hand and state.playing and self._clock.waits
+        drawn = self._drawn
+        if drawn and not asked and (drawn.run, drawn.state, drawn.held) == (run, state, held):
+            if state.playing and not held:  # nothing but the poses moves, on the way to the next iteration
+                with self._client.atomic():
+                    page.move(drawn.on_the_way(self._clock.position - state.iteration))
+            return
+        frame = frame_of(run, state, held=held)
         with self._client.atomic():
             page.draw(frame, self._comparison, may_cancel=self._live.slow)
             self._drawn = frame

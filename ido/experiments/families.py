@@ -15,7 +15,8 @@ class Family:
         title: as it is shown.
         paper: what the paper's tables call it; None if they do not have it.
         variants: what each variant is called in the report, and its method name in `ido.methods`; the main one first.
-        color: of Okabe and Ito's, which people with any colour vision tell apart.
+        color: of Okabe and Ito's, which people with any colour vision tell apart; purple for their green, which
+            stands for the true place.
         marker: of Matplotlib.
     """
 
@@ -46,7 +47,7 @@ def _learned(title: str, color: str, marker: str) -> Family:
 LEARNED_FAMILIES: tuple[Family, ...] = (_learned("DO", "#0072B2", "o"), _learned("Improved DO", "#D55E00", "s"))
 
 BASELINE_FAMILIES: tuple[Family, ...] = (
-    _baseline("BCPD", "BCPD", "#009E73", "D"),
+    _baseline("BCPD", "BCPD", "#7B3FA0", "D"),
     _baseline("CPD", "CPD", "#56B4E9", "^"),
     _baseline("GMMReg", "GMMReg", "#CC79A7", "v"),
     _baseline("ICP", "ICP", "#E69F00", "X"),

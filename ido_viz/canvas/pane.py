@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import viser
 from scipy.spatial.transform import Rotation
 
-from ido import Model, Question, Scene, poses
+from ido import Question, Scene, poses
 from ido.types import BoolArray, FloatArray
 from ido_viz.canvas.diagram import Diagram
+from ido_viz.canvas.handles import Handles
+from ido_viz.canvas.model_view import ModelView
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.geometry import error_vectors, quaternion, track_of, upright
@@ -20,11 +23,15 @@ from ido_viz.core.palette import Color
 from ido_viz.core.run import MethodRun
 from ido_viz.core.wording import progress_line
 
-PANE_OFFSETS = (-1.5, 1.5)
+PANE_OFFSETS = (-1.17, 1.17)
 """x of each pane's centre, model units."""
 
 _NO_LINES = np.zeros((1, 2, 3), dtype=np.float32)
 _NO_POINTS = np.zeros((1, 3), dtype=np.float32)
+_HOLLOW = (  # an octahedron, drawn by its edges
+    0.018 * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32),
+    np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32),
+)
 _FAINT = 0.06  # of the ink, for the points that are not asked about
 
 
@@ -34,16 +41,26 @@ class PaneView:
     Args:
         scene: where it is drawn.
         pane: its number, 0 for the left one.
+        grabbed: called when the scene is taken hold of and moved: with the phase of the gesture (start, update, end)
+            and where the handles are in the model's frame, shape (4, 4). Without it there are no handles.
+        titled: whether what stands beside the canvas on a page is written into the picture.
     """
 
-    def __init__(self, scene: viser.SceneApi, pane: int) -> None:
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        pane: int,
+        grabbed: Callable[[str, FloatArray], None] | None = None,
+        *,
+        titled: bool = False,
+    ) -> None:
         self._pane = pane
-        self._color = palette.METHOD_COLORS[pane]
         root = f"/{('left', 'right')[pane]}"
         self._root = scene.add_frame(root, show_axes=False, position=(PANE_OFFSETS[pane], 0.0, 0.0))
-        self._label = scene.add_label(
-            f"{root}-title", "", position=(PANE_OFFSETS[pane], 0.0, 1.3), anchor="bottom-center"
-        )
+        self._label: Any = None
+        if titled:
+            place = (PANE_OFFSETS[pane], 0.0, 1.3)
+            self._label = scene.add_label(f"{root}-title", "", position=place, anchor="bottom-center")
 
         def cloud(name: str, color: Color, size: float) -> Any:
             return scene.add_point_cloud(f"{root}/{name}", _NO_POINTS, color, point_size=size, point_shape="circle")
@@ -53,50 +70,75 @@ class PaneView:
                 f"{root}/{name}", _NO_LINES, np.array(color), thickness=thickness, thickness_units="screen"
             )
 
-        self._model = cloud("model", (0, 0, 0), 0.022)
-        self._ghost = cloud("ghost", palette.GHOST, 0.02)
-        self._trail = lines("trail", self._color, 2.0)
+        self._model = ModelView(scene, root)
+        self._ghost = scene.add_batched_meshes_simple(
+            f"{root}/ghost",
+            *_HOLLOW,
+            batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
+            batched_positions=_NO_POINTS,
+            batched_colors=palette.GHOST,
+            wireframe=True,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self._trail = lines("trail", palette.GUIDE, 2.0)
         self._errors = lines("errors", palette.GHOST, 1.0)
         self._scene = scene.add_frame(f"{root}/scene", show_axes=False)
-        self._points = cloud("scene/points", self._color, 0.03)
-        self._outliers = cloud("scene/outliers", palette.OUTLIER, 0.014)
+        self._points = cloud("scene/points", palette.GUIDE, 0.032)
+        self._outliers = cloud("scene/outliers", palette.OUTLIER, 0.012)
+        self._end = scene.add_frame(f"{root}/end", show_axes=False, visible=False)
+        self._end_points = cloud("end/points", palette.GUIDE, 0.018)
         self._overlay = scene.add_frame(f"{root}/overlay", show_axes=False, visible=False)
-        self._overlay_points = cloud("overlay/points", self._color, 0.02)
+        self._overlay_points = cloud("overlay/points", palette.GUIDE, 0.02)
+        self._handles = None if grabbed is None else Handles(scene, root, grabbed)
         self._diagram = Diagram(scene, root)
-        self._plain: tuple[object, ...] | None = None
-        self._answered = False
+        self._colors: np.ndarray | None = None
         self._drawn: tuple[object, ...] | None = None
-        self._look: tuple[object, ...] | None = None
+        self._up: tuple[float, ...] | None = None
 
     def draw(self, frame: Frame) -> None:
         """Draw the pane's side of a frame, and what is looked into if it is this side."""
         run, state, side = frame.run, frame.state, frame.sides[self._pane]
-        model, inspection = side.run.histogram.model, side.inspection if side is frame.inspected else None
-        if (model, run.subject) != self._look:
+        inspection = side.inspection if side is frame.inspected else None
+        if run.subject.up != self._up:
             self._root.wxyz = quaternion(upright(run.subject.up))
-            self._model.points = model.points
-            self._look = (model, run.subject)
-        self._paint_model(frame, model, inspection)
+            self._up = run.subject.up
+        self._model.draw(frame, self._pane, inspection)
+        if (run.scene, side.run.trajectory, side.run.method, state.dark) != self._drawn:
+            self._place(run.scene, side.run, state.dark)
         self._paint_scene(frame, side, inspection)
-        if (run.scene, side.run.trajectory) != self._drawn:
-            self._place(run.scene, side.run)
         self._ghost.visible = state.ghost and (inspection is None or inspection.point is None)
-        _move(self._scene, side.T_model_scene)
+        self.move(side)
+        self._end.visible = frame.held
         self._connect(run.scene, side.T_model_scene, inspection, shown=state.error_vectors)
         self._lay_over(side.overlay)
-        self._label.font_screen_scale = 1.3 if state.large_text else 1.0
-        self._label.text = _title(side, with_scores="scores" not in state.hidden)
+        if self._handles is not None:
+            self._handles.draw(run.scene, side.T_model_scene, shown=state.handles)
+        if self._label is not None:
+            self._label.font_screen_scale = 1.3 if state.large_text else 1.0
+            self._label.text = _title(side, with_scores="scores" not in state.hidden)
 
-    def _place(self, scene: Scene, run: MethodRun) -> None:
+    def move(self, side: SideFrame) -> None:
+        """Move the scene to the pose of a side, and nothing else."""
+        _move(self._scene, side.T_model_scene)
+
+    def _place(self, scene: Scene, run: MethodRun, dark: bool) -> None:
         """Draw what stays where it is while a registration is played."""
         true_points = scene.points[~scene.is_outlier]
-        self._points.points = self._overlay_points.points = true_points
+        color = palette.method_color(run.method, dark)
+        self._colors = None
+        self._points.points = self._end_points.points = self._overlay_points.points = true_points
+        self._end_points.colors = np.array(palette.lighter(color, dark, 0.4))
+        _move(self._end, run.T_model_scene[-1])
         self._outliers.points = scene.points[scene.is_outlier]
         self._outliers.visible = bool(scene.is_outlier.any())
-        self._ghost.points = poses.transform(scene.T_model_scene, true_points).astype(np.float32)
+        belongs = poses.transform(scene.T_model_scene, true_points).astype(np.float32)
+        self._ghost.batched_wxyzs = np.tile([1.0, 0.0, 0.0, 0.0], (len(belongs), 1))
+        self._ghost.batched_positions = belongs
         track = track_of(scene, run.T_model_scene)
         self._trail.points = track if len(track) else _NO_LINES
-        self._drawn = (scene, run.trajectory)
+        self._trail.colors = np.array(color)
+        self._drawn = (scene, run.trajectory, run.method, dark)
 
     def _connect(self, scene: Scene, T: FloatArray, inspection: Inspection | None, *, shown: bool) -> None:
         """Draw a line from each scene point that is no outlier to where it belongs, or from the picked one alone."""
@@ -112,21 +154,10 @@ class PaneView:
             _move(self._overlay, over.T_model_scene)
             self._overlay_points.colors = np.array(over.color)
 
-    def _paint_model(self, frame: Frame, model: Model, inspection: Inspection | None) -> None:
-        """Colour the model by height or by shares."""
-        state, up = frame.state, frame.run.subject.up
-        shares = inspection.of_points if inspection is not None and state.coloring != "height" else None
-        plain = (model, up, state.dark) if shares is None else None
-        if plain is not None and plain == self._plain:
-            return
-        height = model.points @ np.array(up)
-        self._model.colors = _greys(height, state.dark) if shares is None else palette.diverging_colors(shares)
-        self._plain = plain
-
     def _paint_scene(self, frame: Frame, side: SideFrame, inspection: Inspection | None) -> None:
-        """Colour the scene by the inspected point's answers, and draw the surface where they change."""
+        """Colour the scene by what has arrived, or by the inspected point's answers, with the surface between them."""
         point = one = partner = question = None
-        color = palette.GUIDE
+        color, dark, is_outlier = palette.GUIDE, frame.state.dark, frame.run.scene.is_outlier
         if inspection is not None:
             point, one, question = inspection.point, inspection.scene_point, inspection.question
             partner = None if one is None else inspection.moved[one]
@@ -137,12 +168,16 @@ class PaneView:
             first, counts = answers
             if one is not None:  # the others stand back
                 counts = np.where(np.arange(len(counts)) == one, 1.0, _FAINT)
-            colors = answer_colors(first, counts, color, frame.state.dark)
-            self._points.colors = colors[~frame.run.scene.is_outlier]
-            self._outliers.colors = colors[frame.run.scene.is_outlier]
-        elif self._answered:
-            self._points.colors, self._outliers.colors = np.array(self._color), np.array(palette.OUTLIER)
-        self._answered = answers is not None
+            colors = answer_colors(first, counts, color, dark)
+        else:
+            colors = np.where(is_outlier[:, None], palette.OUTLIER, palette.method_color(side.run.method, dark))
+            if "scores" not in frame.state.hidden:
+                colors[~is_outlier] = np.where(side.arrived[:, None], palette.ARRIVED, colors[~is_outlier])
+        if self._colors is None or not np.array_equal(colors, self._colors):
+            self._points.colors = colors[~is_outlier].astype(np.uint8)
+            if is_outlier.any():
+                self._outliers.colors = colors[is_outlier].astype(np.uint8)
+            self._colors = colors
 
 
 def question_color(run: MethodRun, question: Question) -> Color:
@@ -169,10 +204,3 @@ def _title(side: SideFrame, *, with_scores: bool) -> str:
     if side.overlay is not None:
         lines.append(f"with {side.overlay.title}")
     return "\n".join(lines)
-
-
-def _greys(height: FloatArray, dark: bool) -> np.ndarray:
-    """Greys by height, so that the shape can be read; shape (M, 3)."""
-    share = (height - height.min()) / max(float(np.ptp(height)), 1e-9)
-    low, high = palette.model_greys(dark)
-    return np.repeat((low + (high - low) * share)[:, None], 3, axis=1).astype(np.uint8)

@@ -33,6 +33,15 @@ class Actions:
     inspect: Callable[[dict[str, Any]], None]
     click: Callable[[FloatArray, FloatArray], None]
     """Called with origin and direction of the ray of a click in the 3D view."""
+    grab: Callable[[int, str, FloatArray], None]
+    """Called with a pane's number, the phase of a gesture (start, update, end) and where its handles are, (4, 4)."""
+    look: Callable[[tuple[float, ...]], None]
+    """Called with where a person looks from, as the state's camera has it."""
+    seen: Callable[[], None]
+    """Called when the page first shows what it was sent."""
+    reset_view: Callable[[], None]
+    undo: Callable[[], None]
+    redo: Callable[[], None]
     redraw: Callable[[], None]
     shown: Callable[[], Frame | None]
     """Gives the frame that the page shows; None before there is one."""

@@ -13,7 +13,7 @@ from ido import Method, Scene, score
 from ido.registration import Watch
 from ido_viz.core.background import CancelledError, Job, Report
 from ido_viz.core.library import Library
-from ido_viz.core.run import make_scene
+from ido_viz.core.run import make_scene, scene_inputs
 from ido_viz.core.state import State
 
 _log = logging.getLogger(__name__)
@@ -107,4 +107,4 @@ def measured(method: Method, scene: Scene, watch: Watch) -> Row:
 
 
 def _inputs(state: State) -> tuple[object, ...]:
-    return (state.shape, state.perturbation, state.epsilon, state.max_iterations)
+    return (*scene_inputs(state), state.epsilon, state.max_iterations)

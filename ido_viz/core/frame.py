@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ido import poses
 from ido.bin_order import bin_order
-from ido.types import FloatArray
+from ido.scores import registered
+from ido.types import BoolArray, FloatArray
 from ido_viz.core.inspection import Inspection, inspect, inspected_number
 from ido_viz.core.overlay import Overlay, overlay_of
 from ido_viz.core.run import MethodRun, Run
@@ -23,7 +25,8 @@ class SideFrame:
         pane: number of the pane, 0 for the left one.
         run: the method's whole registration.
         k: after how many of its iterations.
-        T_model_scene: the pose, shape (4, 4).
+        T_model_scene: the pose, shape (4, 4); while it plays, on the way to the next one.
+        arrived: which of the scene's points that are no outliers count as registered (PointAcc), shape (n,).
         seen: the histogram there, shape (n_bins,).
         order: of the bins from left to right, shape (n_bins,).
         map_order: of the bins of maps that belong to several iterations, shape (n_bins,).
@@ -37,6 +40,7 @@ class SideFrame:
     run: MethodRun
     k: int
     T_model_scene: FloatArray
+    arrived: BoolArray
     seen: FloatArray
     order: np.ndarray
     map_order: np.ndarray
@@ -44,6 +48,11 @@ class SideFrame:
     inspection: Inspection | None
     overlay: Overlay | None
     verdict: Verdict
+
+    def on_the_way(self, share: float) -> SideFrame:
+        """The same with the scene a share of the way to the next pose."""
+        start, end = self.run.T_model_scene[self.k], self.run.T_model_scene[self.run.clipped(self.k + 1)]
+        return replace(self, T_model_scene=poses.between(start, end, share))
 
     @property
     def accuracy(self) -> float:
@@ -76,6 +85,13 @@ class Frame:
     run: Run
     k: int
     sides: tuple[SideFrame, SideFrame]
+    held: bool = False
+    """Whether the start is shown while it is still changed, before it plays."""
+
+    def on_the_way(self, share: float) -> Frame:
+        """The same with both scenes a share of the way to their next poses."""
+        left, right = (side.on_the_way(share) for side in self.sides)
+        return replace(self, sides=(left, right))
 
     @property
     def inspected(self) -> SideFrame:
@@ -83,10 +99,17 @@ class Frame:
         return self.sides[inspected_number(self.state)]
 
 
-def frame_of(run: Run, state: State) -> Frame:
+def frame_of(run: Run, state: State, *, held: bool = False) -> Frame:
     """The frame that a state shows of its run."""
     k = shown_iteration(run, state)
-    return Frame(state, run, k, (_side_frame(run, state, k, 0), _side_frame(run, state, k, 1)))
+    return Frame(state, run, k, (_side_frame(run, state, k, 0), _side_frame(run, state, k, 1)), held)
+
+
+def frame_at(run: Run, state: State, position: float) -> Frame:
+    """The frame of a position: an iteration, and a fraction of the way to the next."""
+    k = min(int(position), run.iterations)
+    frame = frame_of(run, replace(state, iteration=k))
+    return frame.on_the_way(position - k) if position > k else frame
 
 
 def shown_iteration(run: Run, state: State) -> int:
@@ -104,6 +127,7 @@ def _side_frame(run: Run, state: State, iteration: int, pane: int) -> SideFrame:
         run=side,
         k=k,
         T_model_scene=side.T_model_scene[k],
+        arrived=registered(run.scene, side.T_model_scene[k]),
         seen=run.histogram(pane, k) if inspection is None else inspection.seen,
         order=bin_order(side.histogram, state.order, contribution),
         map_order=bin_order(side.histogram, state.order),

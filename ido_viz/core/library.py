@@ -13,7 +13,8 @@ from ido import HISTOGRAMS, SHAPES, Cloud, FrontBack, Histogram, Maps, Model, lo
 from ido.clouds import MODEL_POINTS
 from ido.methods import BASELINES, LEARNED, Method
 from ido.perturbation import OutlierKind
-from ido.shipped import shipped_histograms
+from ido.shipped import shipped_histograms, shipped_surface
+from ido.types import FloatArray, IntArray
 from ido_viz.core.background import Report
 from ido_viz.core.plugins import Own, OwnClass, maps_of_own, own_of
 from ido_viz.core.state import State, StateError
@@ -52,6 +53,8 @@ class Subject:
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     outlier_kind: OutlierKind = "uniform"
     own: Mapping[str, Own] = field(default_factory=dict)
+    surface: Callable[[], tuple[FloatArray, IntArray] | None] = lambda: None
+    """Vertices and faces of its surface for the picture, model units; None for a cloud that has none."""
     seen_through: Histogram | None = None
     """How the poses of methods without a histogram are shown, where no maps are learned."""
 
@@ -243,6 +246,7 @@ def shipped_library() -> Library:
                 | overfitted.get(name, {}),
                 shape.up,
                 shape.outlier_kind,
+                surface=partial(shipped_surface, name),
             )
             for name, shape in SHAPES.items()
         }

@@ -38,10 +38,13 @@ def overlay_of(run: Run, state: State, iteration: int, pane: int) -> Overlay | N
         return None
     if state.overlay == "other method":
         other = run.sides[1 - pane]
-        k, color, title = other.clipped(iteration), palette.METHOD_COLORS[1 - pane], other.method
+        k, color, title = other.clipped(iteration), palette.method_color(other.method, state.dark), other.method
     else:
         other = run.sides[pane]
-        k, color = other.clipped(state.overlaid_iteration), palette.lighter(palette.METHOD_COLORS[pane], state.dark)
+        k, color = (
+            other.clipped(state.overlaid_iteration),
+            palette.lighter(palette.method_color(other.method, state.dark), state.dark),
+        )
         title = f"iteration {k}"
     x = other.trajectory.x[k]
     return Overlay(title, x, other.T_model_scene[k], run.sides[pane].histogram(run.scene.points, x), color)

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 
 from ido import Block
+from ido.experiments.families import FAMILIES
 from ido.types import FloatArray
+from ido_viz.core.verdict import Verdict
 
 Color = tuple[int, int, int]
 
-METHOD_COLORS: tuple[Color, Color] = ((0, 114, 178), (213, 94, 0))
-"""Left and right pane: blue and vermilion."""
+_OF_OWN: tuple[Color, ...] = ((0, 128, 128), (140, 86, 75), (178, 24, 72), (110, 110, 20))
+"""For methods that are in no family: teal, brown, crimson, olive."""
+
+_VARIANTS = (0.0, -0.4, 0.4, -0.6)
+"""How far the colours of a family's variants are moved towards white, or towards black."""
 
 _SPARE: tuple[Color, ...] = ((230, 159, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233))
 """For blocks that bring no colour: orange, green, purple, sky blue, and again."""
@@ -20,16 +27,46 @@ MARK: Color = (240, 228, 66)
 
 OUTLIER: Color = (190, 140, 182)
 GHOST: Color = (0, 158, 115)
+ARRIVED: Color = (0, 138, 102)
+"""Scene points that are where they belong, and a method whose scene is: the green of their place, a little darker."""
+
 GUIDE: Color = (128, 128, 128)
 """Lines that explain a picture."""
 
-LEGEND: dict[str, tuple[Color, ...]] = {
-    "model": (GUIDE,),
-    "scene": METHOD_COLORS,
-    "outliers": (OUTLIER,),
-    "where it belongs": (GHOST,),
+_VERDICTS = {
+    Verdict.IN_PLACE: ARRIVED,
+    Verdict.NEARLY_IN_PLACE: (190, 130, 0),
+    Verdict.WRONG_POSE: (190, 30, 45),
+    Verdict.FAILED: (190, 30, 45),
 }
-"""What the colours of points mean."""
+
+PAGES: tuple[Color, Color] = ((255, 255, 255), (26, 27, 30))
+"""Background of a light and of a dark page, a little darker or lighter in places."""
+
+CONTRAST = 4.6
+"""Of all text against the page, at least; WCAG asks for 4.5."""
+
+
+def method_color(method: str, dark: bool = False) -> Color:
+    """What a method is drawn in wherever it appears: its family's colour, moved a little for another variant.
+
+    A family's black is the ink of the page.
+    """
+    for family in FAMILIES:
+        names = [name for _, name in family.variants]
+        if method in names:
+            r, g, b = (int(family.color[i : i + 2], 16) for i in (1, 3, 5))
+            color = (r, g, b) if any((r, g, b)) else ink(dark)
+            return _moved(color, _VARIANTS[names.index(method) % len(_VARIANTS)])
+    if method.startswith("DO ("):  # a shape's own variant of it, in no experiment
+        return _moved(method_color("DO"), 0.4)
+    return _OF_OWN[zlib.crc32(method.encode()) % len(_OF_OWN)]
+
+
+def _moved(color: Color, share: float) -> Color:
+    end = 255 if share > 0 else 0
+    r, g, b = (round(value + (end - value) * abs(share)) for value in color)
+    return r, g, b
 
 
 def block_color(block: Block, number: int) -> Color:
@@ -45,6 +82,33 @@ def ink(dark: bool) -> Color:
 def model_greys(dark: bool) -> tuple[int, int]:
     """The greys of the model's lowest and highest points."""
     return (110, 235) if dark else (90, 185)
+
+
+def verdict_color(verdict: Verdict) -> Color:
+    """What a verdict is written in."""
+    return _VERDICTS.get(verdict, GUIDE)
+
+
+def text(color: Color, dark: bool) -> Color:
+    """A colour moved towards the page's ink until it can be read as text: a contrast of at least `CONTRAST`."""
+    tries = (_moved(color, share if dark else -share) for share in np.linspace(0.0, 1.0, 21).tolist())
+    return next((each for each in tries if contrast(each, PAGES[dark]) >= CONTRAST), ink(dark))
+
+
+def contrast(one: Color, other: Color) -> float:
+    """The ratio of two colours' luminances, 1 to 21 (WCAG 2)."""
+    light, dark = sorted((_luminance(one), _luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def _luminance(color: Color) -> float:
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (value / 255 for value in color)]
+    return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
+
+
+def surface(dark: bool) -> Color:
+    """Colour of the model's surface."""
+    return (150, 150, 155) if dark else (200, 200, 205)
 
 
 def css(color: Color, alpha: float = 1.0) -> str:

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from ido import Histogram, Maps, Scene, Scores, StopReason, Trajectory, perturb, score
+from ido import Histogram, Maps, Scene, Scores, StopReason, Trajectory, perturb, poses, score
+from ido.perturbation import start_pose
 from ido.recording import chosen_iterations
 from ido.types import FloatArray
 from ido_viz.core.background import Report
@@ -107,9 +109,14 @@ def distances(histogram: Histogram, scene: Scene, trajectory: Trajectory) -> Flo
     return np.interp(np.arange(trajectory.iterations + 1), measured, away)
 
 
+def scene_inputs(state: State) -> tuple[object, ...]:
+    """The part of a state that its scene depends on."""
+    return (state.shape, state.perturbation, state.start)
+
+
 def inputs(state: State) -> tuple[object, ...]:
     """The part of a state that a run depends on: equal inputs, equal runs."""
-    return (state.shape, state.perturbation, state.left, state.right, state.epsilon, state.max_iterations)
+    return (*scene_inputs(state), state.left, state.right, state.epsilon, state.max_iterations)
 
 
 def compute(state: State, library: Library) -> Run:
@@ -136,8 +143,18 @@ def warm_up(state: State, library: Library) -> None:
 
 
 def make_scene(subject: Subject, state: State) -> Scene:
-    """The scene of a state."""
-    return perturb(subject.cloud(), state.perturbation)
+    """The scene of a state, moved by hand if it was."""
+    scene = perturb(subject.cloud(), state.perturbation)
+    return scene.moved(poses.exp(np.array(state.start))) if state.start else scene
+
+
+def start_size(state: State) -> tuple[float, float]:
+    """How far a state's scene is turned and shifted from where it belongs: degrees, model units."""
+    if not state.start:
+        return state.perturbation.rotation, state.perturbation.translation
+    T_scene_model = poses.exp(np.array(state.start)) @ start_pose(state.perturbation)
+    turn = Rotation.from_matrix(T_scene_model[:3, :3]).magnitude()
+    return float(np.rad2deg(turn)), float(np.linalg.norm(T_scene_model[:3, 3]))
 
 
 def register_side(
@@ -162,14 +179,14 @@ def waiting_side(entry: Entry, selection: Selection, scene: Scene, waiting: str)
 
 
 def _side(name: str, scene: Scene, trajectory: Trajectory, histogram: Histogram, **rest: Any) -> MethodRun:
-    poses = trajectory.T_model_scene
+    track = trajectory.T_model_scene
     away = distances(histogram, scene, trajectory)
     return MethodRun(
         method=name,
         histogram=histogram,
         trajectory=trajectory,
-        T_model_scene=poses,
-        scores=score(scene, poses),
+        T_model_scene=track,
+        scores=score(scene, track),
         distances=away,
         **{"maps": None, **rest},
     )

@@ -20,6 +20,15 @@ Pane = Literal["left", "right"]
 Part = Literal[
     "lessons", "presets", "scores", "scene", "methods", "view", "share", "download", "upper charts", "lower charts"
 ]
+NO_START: tuple[float, ...] = ()
+"""The start pose that the sliders make."""
+
+NO_CAMERA: tuple[float, ...] = ()
+"""The camera that shows both panes whole."""
+
+NORMAL_SPEED = 15
+"""The speed at which a run takes as long as `pacing` says."""
+
 NO_POINT = -1
 """Number of the inspected model point when there is none."""
 
@@ -29,6 +38,9 @@ LAST = -1
 LONGEST_RUN = 5000
 LONGEST_NAME = 100
 """Of a block, letters."""
+
+FARTHEST = 20.0
+"""Of a start pose and the camera, model units."""
 
 MOST_MAPS = 1000
 """Highest number of a map that can be pinned."""
@@ -48,17 +60,20 @@ class State:
     Args:
         shape: name of the shape.
         perturbation: makes the scene.
+        start: how the scene was moved by hand after that, exponential coordinates (6 numbers); `NO_START` for not.
         left: method of the left pane.
         right: method of the right pane.
         epsilon: stopping threshold of the update norm.
         max_iterations: limit of all iterations.
         iteration: k, the poses after k updates are shown; `LAST` for the end.
         playing: whether the iteration moves on by itself.
-        speed: iterations a second while playing.
+        speed: how fast it plays, see `pacing`; 15 is normal.
+        replay: whether another scene is played from its start.
         order: how the bins of each side of a block are ordered in charts and heatmaps.
         difference: show histogram minus reference.
         pinned_map: number of the map in the heatmap, 0 to follow the iteration.
         ghost: show where the scene belongs.
+        handles: show handles to turn and shift the scene by.
         error_vectors: draw a line from each scene point to where it belongs.
         overlay: what else is drawn in each pane, and in its histogram: the scene at another pose.
         overlaid_iteration: the other iteration, for that overlay.
@@ -69,6 +84,7 @@ class State:
         coloring: what the model points' colours mean: height, or their share in the next update, in what of it leads
             to the true pose, or in one of its numbers. The shares listed, and the order by contribution, are those.
         against_reference: shares of what differs from the reference alone.
+        camera: where from it is seen, see `geometry.Camera` (6 numbers); `NO_CAMERA` for both panes whole.
         dark: dark page.
         large_text: larger text, for a projector.
         hidden: parts of the page that a lecturer has taken away, in the order of `Part`.
@@ -79,17 +95,20 @@ class State:
 
     shape: str = "bunny"
     perturbation: Perturbation = field(default_factory=Perturbation)
+    start: tuple[float, ...] = NO_START
     left: str = "DO"
     right: str = "Improved DO"
     epsilon: float = EPSILON
     max_iterations: int = MAX_ITERATIONS
     iteration: int = 0
     playing: bool = True
-    speed: int = 15
+    speed: int = NORMAL_SPEED
+    replay: bool = True
     order: BinOrder = "reference value"
     difference: bool = False
     pinned_map: int = 0
     ghost: bool = True
+    handles: bool = True
     error_vectors: bool = False
     overlay: Overlay = "nothing"
     overlaid_iteration: int = 0
@@ -99,6 +118,7 @@ class State:
     question: str = "front / back"
     coloring: Coloring = "height"
     against_reference: bool = False
+    camera: tuple[float, ...] = NO_CAMERA
     dark: bool = False
     large_text: bool = False
     hidden: tuple[Part, ...] = ()
@@ -132,11 +152,19 @@ class State:
         for name, (low, high) in limits.items():
             if not low <= getattr(self, name) <= high:
                 raise StateError(f"{name} must lie between {low:g} and {high:g}, not {getattr(self, name)}")
+        for name in ("start", "camera"):
+            numbers = getattr(self, name)
+            if numbers and not (len(numbers) == 6 and all(_is_moderate(number) for number in numbers)):
+                raise StateError(f"{name} must be six numbers between -{FARTHEST:g} and {FARTHEST:g}, or none")
         if len(self.question) > LONGEST_NAME:
             raise StateError(f"question must have at most {LONGEST_NAME} letters")
         for name, allowed in RANGES.items():
             if not allowed.low <= getattr(self.perturbation, name) <= allowed.high:
                 raise StateError(f"{name} must lie between {allowed.low:g} and {allowed.high:g} on a page")
+
+
+def _is_moderate(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= FARTHEST
 
 
 _OF_SCENE = frozenset(f.name for f in fields(Perturbation))
@@ -196,7 +224,8 @@ def decode(code: str) -> State:
         if not isinstance(values, dict):
             raise StateError("the code holds no state")
         perturbation = Perturbation(**values.pop("perturbation", {}))
-        return State(perturbation=perturbation, hidden=tuple(values.pop("hidden", ())), **values)
+        lists = {name: tuple(values.pop(name, ())) for name in ("hidden", "start", "camera")}
+        return State(perturbation=perturbation, **lists, **values)
     except StateError:
         raise
     except (binascii.Error, zlib.error, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:

@@ -23,13 +23,11 @@ def progress_line(side: SideFrame) -> str:
     return side.run.waiting or f"iteration {side.k} of {side.run.trajectory.iterations}"
 
 
-def verdict_line(side: SideFrame) -> str:
-    """Why a method stopped, and whether where the scene belongs; nothing of it before the end."""
+def stop_line(side: SideFrame) -> str:
+    """Why a method stopped; nothing of it before the end."""
     if side.run.waiting:
         return side.run.waiting
-    if side.verdict is Verdict.MOVING:
-        return str(side.verdict)
-    return f"{side.run.trajectory.stop}, {side.verdict}"
+    return str(side.verdict if side.verdict is Verdict.MOVING else side.run.trajectory.stop)
 
 
 def one_line(name: str) -> str:

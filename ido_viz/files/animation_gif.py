@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,11 +12,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from ido import poses
-from ido.recording import chosen_iterations
 from ido.types import FloatArray
 from ido_viz.core import palette
-from ido_viz.core.frame import Frame, SideFrame, frame_of
+from ido_viz.core.frame import Frame, SideFrame, frame_at
 from ido_viz.core.geometry import error_vectors, track_of
+from ido_viz.core.pacing import Pacing
 from ido_viz.core.palette import Color
 from ido_viz.core.run import Run
 from ido_viz.core.state import State
@@ -28,11 +27,12 @@ SIZE = (1280, 720)
 """Width and height of the animation, pixels: the shape of a slide."""
 
 MOST_FRAMES = 80
-"""Of a longer run, this many iterations are shown: the first half of them one by one, the rest evenly spaced."""
+"""A longer animation has this many frames, further apart."""
 
 HOLD = 1000
 """Milliseconds that the start and the end are shown."""
 
+_APART = 0.1  # seconds between two frames
 _SHORTEST = 20  # milliseconds; browsers slow down what is shorter
 _TOP, _BOTTOM = 118, 82  # pixels above and below the panes
 _WIDTH, _HEIGHT = SIZE[0] // 2, SIZE[1] - _TOP - _BOTTOM
@@ -43,23 +43,23 @@ _STEPS = 4  # in which a colour fades into the page's: as many as averaging make
 
 
 def animation_gif(frame: Frame) -> bytes:
-    """Both registrations of a page from the start to the end, in a loop; iterations pass at the state's speed.
+    """Both registrations of a page from the start to the end, in a loop, at the pace of the page (see `pacing`).
 
     It shows what the canvas shows while playing: titles with iterations and scores, the model, the scene with its
     outliers and, as far as the state asks for them, where it belongs, error vectors and overlays; light or dark.
     """
     run, state = frame.run, frame.state
-    iterations = [int(k) for k in chosen_iterations(run.iterations, MOST_FRAMES)]
-    each = max(10 * round(100 / state.speed), _SHORTEST)
-    slide = _Slide(run, state, iterations)
-    frames = (slide.frame(k) for k in iterations)
+    positions, apart = Pacing(run).moments(state.speed, _APART, MOST_FRAMES)
+    each = max(10 * round(100 * apart), _SHORTEST)
+    slide = _Slide(run, state, sorted({int(position) for position in positions}))
+    frames = (slide.frame(position) for position in positions)
     content = io.BytesIO()
     next(frames).save(
         content,
         format="GIF",
         save_all=True,
         append_images=frames,
-        duration=[HOLD if k in (0, run.iterations) else each for k in iterations],
+        duration=[HOLD, *[each] * (len(positions) - 2), HOLD],
         loop=0,
         disposal=1,  # each frame is drawn over the last
         comment=f"{' and '.join(side.method for side in run.sides)} on {scene_line(state)}".encode(),
@@ -72,7 +72,7 @@ class _Slide:
 
     def __init__(self, run: Run, state: State, iterations: Sequence[int]) -> None:
         self._run, self._state = run, state
-        self._colors = _Colors(state.dark)
+        self._colors = _Colors(state.dark, [palette.method_color(side.method, state.dark) for side in run.sides])
         self._larger = 1.25 if state.large_text else 1.0
         scene = run.scene
         self._true_points, self._outliers = scene.points[~scene.is_outlier], scene.points[scene.is_outlier]
@@ -91,10 +91,10 @@ class _Slide:
             places += [poses.transform(side.T_model_scene[k], points) for k in shown]
         return np.concatenate(places)
 
-    def frame(self, iteration: int) -> Image.Image:
-        """Both panes after so many iterations."""
+    def frame(self, position: float) -> Image.Image:
+        """Both panes after so many iterations and a fraction of the next."""
         page = self._page.copy()
-        for side in frame_of(self._run, replace(self._state, iteration=iteration)).sides:
+        for side in frame_at(self._run, self._state, position).sides:
             page.paste(self._pane(side), (side.pane * _WIDTH, _TOP))
             self._title(ImageDraw.Draw(page), side)
         ImageDraw.Draw(page).line((_WIDTH, 24, _WIDTH, SIZE[1] - _BOTTOM), fill=self._colors.rgb("line"), width=1)
@@ -177,7 +177,7 @@ class _Slide:
 class _Colors:
     """The fixed colours of an animation: the page's, the names', and each name's on its way to the page's."""
 
-    def __init__(self, dark: bool) -> None:
+    def __init__(self, dark: bool, methods: list[Color]) -> None:
         page = (30, 30, 30) if dark else (255, 255, 255)
         low, high = palette.model_greys(dark)
         greys = np.linspace(low, high, _GREYS).astype(int).tolist()
@@ -188,8 +188,8 @@ class _Colors:
             "line": palette.lighter(palette.ink(dark), dark, 0.8),
             "outlier": palette.OUTLIER,
             "ghost": palette.GHOST,
-            **{f"method {i}": color for i, color in enumerate(palette.METHOD_COLORS)},
-            **{f"pale {i}": palette.lighter(color, dark) for i, color in enumerate(palette.METHOD_COLORS)},
+            **{f"method {i}": color for i, color in enumerate(methods)},
+            **{f"pale {i}": palette.lighter(color, dark) for i, color in enumerate(methods)},
             **{f"model {i}": (grey, grey, grey) for i, grey in enumerate(greys)},
         }
         self._numbers = {name: number for number, name in enumerate(named)}

@@ -133,7 +133,7 @@ def curves_figure(frame: Frame) -> Figure:
         ax.set_title(f"({letter}) {_CURVE_TITLES[name]}")
         for side in frame.sides:
             values = 10 ** curve(side.run, name) if name == "update norm" else curve(side.run, name)
-            color = hexadecimal(palette.METHOD_COLORS[side.pane])
+            color = hexadecimal(palette.method_color(side.run.method))
             ax.plot(values, color=color, linestyle=_DASHES[side.pane], linewidth=1.2, label=str(side.pane))
             dot: dict[str, Any] = {"marker": "o", "markersize": 4, "markeredgewidth": 0, "clip_on": False, "zorder": 3}
             ax.plot(side.k, values[side.k], color=color, **dot)
@@ -171,7 +171,7 @@ def _head(ax: Axes, side: SideFrame, rest: str, *, letters: bool = True) -> None
     """Write a letter and a method's name in its colour, and what is shown of it, above a chart."""
     letter = f"({'ab'[side.pane]}) " if letters else ""
     name = ax.annotate(f"{letter}{one_line(side.run.method)}", (0, 1), (0, 4), "axes fraction", "offset points")
-    name.set(color=hexadecimal(palette.METHOD_COLORS[side.pane]), fontweight="bold", fontsize=8.5)
+    name.set(color=hexadecimal(palette.method_color(side.run.method)), fontweight="bold", fontsize=8.5)
     ax.annotate(rest, (1, 0), (6, 0), name, "offset points", va="bottom")
 
 

@@ -115,13 +115,12 @@ class DownloadFolder:
     Args:
         client: the page.
         shown: gives the frame that the page shows; asked at each click, on a thread of the server.
-        order: place among the page's folders.
     """
 
-    def __init__(self, client: viser.ClientHandle, shown: Callable[[], Frame | None], order: float) -> None:
+    def __init__(self, client: viser.ClientHandle, shown: Callable[[], Frame | None]) -> None:
         self._client = client
         self._shown = shown
-        self.folder = client.gui.add_folder("Download", order=order)
+        self.folder = client.gui.add_folder("Download")
         with self.folder:
             for export in EXPORTS:
                 button = client.gui.add_button(export.label, icon=viser.Icon.DOWNLOAD, color="gray", hint=export.hint)

@@ -14,16 +14,11 @@ from ido.perturbation import LARGEST_SEED, OutlierKind
 from ido_viz.core.actions import Actions, plain
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
-from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, Overlay, Part, State
-from ido_viz.panels.playback import Playback
+from ido_viz.core.run import start_size
+from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, NO_START, BinOrder, Overlay, Part, State
+from ido_viz.panels.playback import PREPARING, Playback
+from ido_viz.panels.readout import readout_html
 from ido_viz.panels.sharing import ShareFolder
-
-_AFTER_ALL_ELSE = 1e9  # viser counts on from 0 for what brings no order, over all pages
-FOLDER_ORDER: dict[Part, float] = {
-    part: _AFTER_ALL_ELSE + place
-    for place, part in enumerate(("scene", "presets", "methods", "view", "share", "download"))
-}
-"""Of the folders below the playback, from above."""
 
 _STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
 _HINTS = {
@@ -53,13 +48,23 @@ class Controls:
         self._actions = actions
         self._playback = Playback(gui, state, actions)
         self._inputs["speed"] = self._playback.speed
-        self.parts: dict[Part, Any] = {"scores": self._playback.readout}
+        self.parts: dict[Part, list[Any]] = {}
         """What a lecturer can hide."""
-        self._scene(gui, state, actions)
-        self._methods(gui, state)
-        self._view(gui, state)
-        self._share = ShareFolder(gui, state, actions, self._on_input, FOLDER_ORDER["share"])
-        self.parts["share"] = self._share.folder
+        with self._part(gui, "scene"):
+            self._scene(gui, state)
+        with self._part(gui, "scores"):
+            self._readout = gui.add_html(PREPARING)
+        tabs = gui.add_tab_group()
+        self.tabs = {name: tabs.add_tab(name) for name in ("Scene", "Learn", "Methods", "View", "Share")}
+        """Below the sliders; others may add to them."""
+        with self.tabs["Scene"], self._part(gui, "scene"):
+            self._draw_of_scene(gui, state, actions)
+        with self.tabs["Methods"], self._part(gui, "methods"):
+            self._methods(gui, state)
+        with self.tabs["View"], self._part(gui, "view"):
+            self._view(gui, state, actions)
+        with self.tabs["Share"], self._part(gui, "share"):
+            self._share = ShareFolder(gui, state, actions, self._on_input)
         for handle in self._inputs.values():
             handle.on_update(self._on_input)
         for label, key, act in (
@@ -67,115 +72,126 @@ class Controls:
             ("Next iteration", "N", lambda: actions.step(1)),
             ("Back one iteration", "B", lambda: actions.step(-1)),
             ("Restart at iteration 0", "R", lambda: actions.jump(0)),
+            ("Reset view", "V", actions.reset_view),
         ):
             gui.add_command(label, hotkey=key).on_trigger(plain(act))  # type: ignore[arg-type]
+        gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl").on_trigger(plain(actions.undo))
+        gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift").on_trigger(plain(actions.redo))
 
-    def _part(self, gui: viser.GuiApi, part: Part, label: str) -> viser.GuiFolderHandle:
-        """A folder that a lecturer can hide; all are open, for what is folded away is out of the keyboard's reach."""
-        self.parts[part] = gui.add_folder(label, order=FOLDER_ORDER[part])
-        return self.parts[part]
+    def _part(self, gui: viser.GuiApi, part: Part) -> viser.GuiFolderHandle:
+        """A nameless folder that a lecturer can hide."""
+        folder = gui.add_folder(None)
+        self.parts.setdefault(part, []).append(folder)
+        return folder
 
-    def _scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
-        with self._part(gui, "scene", "Perturb the scene"):
-            self._inputs["shape"] = gui.add_dropdown(
-                "Shape", tuple(self._library.subjects), initial_value=state.shape, hint=self._shape_hint()
+    def _scene(self, gui: viser.GuiApi, state: State) -> None:
+        self._inputs["shape"] = gui.add_dropdown(
+            "Shape", tuple(self._library.subjects), initial_value=state.shape, hint=self._shape_hint()
+        )
+        paper = Perturbation()
+        values = _widget_values(state)
+        for name, allowed in RANGES.items():
+            kind = int if name in ("points", "outliers") else float
+            self._inputs[name] = gui.add_slider(
+                name.capitalize(),
+                kind(allowed.low),
+                kind(allowed.high),
+                kind(_STEPS[name]),
+                kind(np.clip(values[name], allowed.low, allowed.high)),
+                marks=((kind(getattr(paper, name)), f"{getattr(paper, name):g}"),),
+                hint=_HINTS[name] + " The mark is the paper's default.",
             )
-            paper = Perturbation()
-            for name, allowed in RANGES.items():
-                whole = name in ("points", "outliers")
-                kind = int if whole else float
-                self._inputs[name] = gui.add_slider(
-                    name.capitalize(),
-                    kind(allowed.low),
-                    kind(allowed.high),
-                    kind(_STEPS[name]),
-                    kind(np.clip(getattr(state.perturbation, name), allowed.low, allowed.high)),
-                    marks=((kind(getattr(paper, name)), f"{getattr(paper, name):g}"),),
-                    hint=_HINTS[name] + " The mark is the paper's default.",
-                )
-            self._inputs["outlier_kind"] = gui.add_dropdown(
-                "Outlier kind",
-                get_args(OutlierKind),
-                initial_value=state.perturbation.outlier_kind,
-                hint="Uniform: spread over a cube. Structured: one compact ball, as on the paper's real data.",
-            )
-            self._inputs["seed"] = gui.add_number(
-                "Seed", state.perturbation.seed, min=0, max=LARGEST_SEED, step=1, hint="The same seed, the same scene."
-            )
-            scene_buttons = {"New seed": actions.new_seed, "Paper defaults": actions.paper_defaults}
-            gui.add_button_group(
-                "Scene", tuple(scene_buttons), hint="Draw another scene, or take the paper's values with the same seed."
-            ).on_click(lambda event: scene_buttons[event.target.value]())
+
+    def _draw_of_scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
+        self._inputs["outlier_kind"] = gui.add_dropdown(
+            "Outlier kind",
+            get_args(OutlierKind),
+            initial_value=state.perturbation.outlier_kind,
+            hint="Uniform: spread over a cube. Structured: one compact ball, as on the paper's real data.",
+        )
+        self._inputs["seed"] = gui.add_number(
+            "Seed", state.perturbation.seed, min=0, max=LARGEST_SEED, step=1, hint="The same seed, the same scene."
+        )
+        scene_buttons = {"New seed": actions.new_seed, "Paper defaults": actions.paper_defaults}
+        gui.add_button_group(
+            "Draw", tuple(scene_buttons), hint="Draw another scene, or take the paper's values with the same seed."
+        ).on_click(lambda event: scene_buttons[event.target.value]())
+        self._inputs["replay"] = gui.add_checkbox(
+            "Play a change", state.replay, hint="Play the registration from its start whenever the scene is changed."
+        )
 
     def _methods(self, gui: viser.GuiApi, state: State) -> None:
-        with self._part(gui, "methods", "Methods and stopping"):
-            for name in ("left", "right"):
-                self._inputs[name] = gui.add_dropdown(
-                    f"{name.capitalize()} pane",
-                    self._library.methods(state.shape),
-                    initial_value=getattr(state, name),
-                    hint=f"Any method can stand on the {name}. Slow ones compute in the background.",
-                )
-            self._inputs["epsilon"] = gui.add_number(
-                "Stop below ε",
-                state.epsilon,
-                min=EPSILON_RANGE[0],
-                max=EPSILON_RANGE[1],
-                step=0.0005,
-                hint="DO and Improved DO end when the update norm is below this. The paper says 0.005.",
+        for name in ("left", "right"):
+            self._inputs[name] = gui.add_dropdown(
+                f"{name.capitalize()} pane",
+                self._library.methods(state.shape),
+                initial_value=getattr(state, name),
+                hint=f"Any method can stand on the {name}. Slow ones compute in the background.",
             )
-            self._inputs["max_iterations"] = gui.add_number(
-                "Most iterations",
-                state.max_iterations,
-                min=1,
-                max=LONGEST_RUN,
-                step=1,
-                hint="DO's and Improved DO's. Paper: 1000.",
-            )
+        self._inputs["epsilon"] = gui.add_number(
+            "Stop below ε",
+            state.epsilon,
+            min=EPSILON_RANGE[0],
+            max=EPSILON_RANGE[1],
+            step=0.0005,
+            hint="DO and Improved DO end when the update norm is below this. The paper says 0.005.",
+        )
+        self._inputs["max_iterations"] = gui.add_number(
+            "Most iterations",
+            state.max_iterations,
+            min=1,
+            max=LONGEST_RUN,
+            step=1,
+            hint="DO's and Improved DO's. Paper: 1000.",
+        )
 
-    def _view(self, gui: viser.GuiApi, state: State) -> None:
-        with self._part(gui, "view", "View"):
-            self._inputs["order"] = gui.add_dropdown(
-                "Order bins by", get_args(BinOrder), initial_value=state.order, hint="Within each side of a block."
-            )
-            self._inputs["difference"] = gui.add_checkbox(
-                "Histogram minus reference", state.difference, hint="Show the difference instead of both."
-            )
-            self._inputs["follow"] = gui.add_checkbox(
-                "Maps follow the iteration", state.pinned_map == 0, hint="Otherwise the map below is shown."
-            )
-            self._inputs["pinned_map"] = gui.add_slider(
-                "Map",
-                1,
-                max(2, state.pinned_map),  # as many as the methods have, once they are drawn
-                1,
-                max(1, state.pinned_map),
-                disabled=state.pinned_map == 0,
-                hint="Which map is shown, when the maps do not follow the iteration.",
-            )
-            self._inputs["ghost"] = gui.add_checkbox("Where it belongs", state.ghost, hint="Ground truth, in green.")
-            self._inputs["error_vectors"] = gui.add_checkbox(
-                "Error vectors", state.error_vectors, hint="A line from each scene point to where it belongs."
-            )
-            self._inputs["overlay"] = gui.add_dropdown(
-                "Overlay",
-                get_args(Overlay),
-                initial_value=state.overlay,
-                hint="Draw the scene a second time in each pane, and its histogram in grey: at the pose of the other "
-                "method, or of the iteration below.",
-            )
-            self._inputs["overlaid_iteration"] = gui.add_number(
-                "At iteration",
-                state.overlaid_iteration,
-                min=0,
-                max=LONGEST_RUN,
-                step=1,
-                hint="Which iteration is laid over; beyond the last one, the last.",
-            )
-            self._inputs["dark"] = gui.add_checkbox("Dark", state.dark, hint="Light on dark, for a dim room.")
-            self._inputs["large_text"] = gui.add_checkbox(
-                "Large text", state.large_text, hint="Larger text everywhere, for a projector."
-            )
+    def _view(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
+        reset = gui.add_button("Reset view (V)", color="gray", hint="See both panes whole again, also with the key V.")
+        reset.on_click(plain(actions.reset_view))
+        self._inputs["order"] = gui.add_dropdown(
+            "Order bins by", get_args(BinOrder), initial_value=state.order, hint="Within each side of a block."
+        )
+        self._inputs["difference"] = gui.add_checkbox(
+            "Histogram minus reference", state.difference, hint="Show the difference instead of both."
+        )
+        self._inputs["follow"] = gui.add_checkbox(
+            "Maps follow the iteration", state.pinned_map == 0, hint="Otherwise the map below is shown."
+        )
+        self._inputs["pinned_map"] = gui.add_slider(
+            "Map",
+            1,
+            max(2, state.pinned_map),  # as many as the methods have, once they are drawn
+            1,
+            max(1, state.pinned_map),
+            disabled=state.pinned_map == 0,
+            hint="Which map is shown, when the maps do not follow the iteration.",
+        )
+        self._inputs["ghost"] = gui.add_checkbox("Where it belongs", state.ghost, hint="Ground truth, in green.")
+        self._inputs["handles"] = gui.add_checkbox(
+            "Handles", state.handles, hint="Rings and arrows by which the scene can be turned and shifted."
+        )
+        self._inputs["error_vectors"] = gui.add_checkbox(
+            "Error vectors", state.error_vectors, hint="A line from each scene point to where it belongs."
+        )
+        self._inputs["overlay"] = gui.add_dropdown(
+            "Overlay",
+            get_args(Overlay),
+            initial_value=state.overlay,
+            hint="Draw the scene a second time in each pane, and its histogram in grey: at the pose of the other "
+            "method, or of the iteration below.",
+        )
+        self._inputs["overlaid_iteration"] = gui.add_number(
+            "At iteration",
+            state.overlaid_iteration,
+            min=0,
+            max=LONGEST_RUN,
+            step=1,
+            hint="Which iteration is laid over; beyond the last one, the last.",
+        )
+        self._inputs["dark"] = gui.add_checkbox("Dark", state.dark, hint="Light on dark, for a dim room.")
+        self._inputs["large_text"] = gui.add_checkbox(
+            "Large text", state.large_text, hint="Larger text everywhere, for a projector."
+        )
 
     def _shape_hint(self) -> str:
         return "; ".join(f"{name}: {subject.title}" for name, subject in self._library.subjects.items())
@@ -190,8 +206,9 @@ class Controls:
         Nonsense is brought into range.
         """
         value = {name: handle.value for name, handle in self._inputs.items()}
+        drawn, start = _start(value, state)
         perturbation = Perturbation(
-            **{name: _within(value[name], r.low, r.high, getattr(Perturbation(), name)) for name, r in RANGES.items()},
+            **{name: _within(drawn[name], r.low, r.high, getattr(Perturbation(), name)) for name, r in RANGES.items()},
             outlier_kind=value["outlier_kind"],
             seed=_within(value["seed"], 0, LARGEST_SEED, 0),
         )
@@ -200,6 +217,9 @@ class Controls:
             state,
             shape=value["shape"],
             perturbation=perturbation,
+            start=start,
+            replay=value["replay"],
+            handles=value["handles"],
             left=value["left"] if value["left"] in known else known[0],
             right=value["right"] if value["right"] in known else known[1],
             epsilon=_within(value["epsilon"], *EPSILON_RANGE, State().epsilon),
@@ -236,6 +256,9 @@ class Controls:
     def draw(self, frame: Frame, *, may_cancel: bool) -> None:
         """Write what only shows: the readouts and the labels."""
         self._playback.draw(frame)
+        readout = readout_html(frame)
+        if self._readout.content != readout:
+            self._readout.content = readout
         self._playback.show_cancel(may_cancel)
         slider = self._inputs["pinned_map"]
         if slider.disabled != (frame.state.pinned_map == 0):
@@ -253,9 +276,27 @@ class Controls:
             self._share.show_code(frame.state)
 
 
+def _start(value: dict[str, Any], state: State) -> tuple[dict[str, Any], tuple[float, ...]]:
+    """What a scene is drawn from, and how it was moved by hand.
+
+    While it is, the sliders show how far it is from where it belongs, and whoever moves one lets go of it.
+    """
+    if not state.start:
+        return value, NO_START
+    shown = _widget_values(state)
+    if any(value[name] != shown[name] for name in ("rotation", "translation")):
+        return value, NO_START
+    p = state.perturbation
+    return {**value, "rotation": p.rotation, "translation": p.translation}, state.start
+
+
 def _widget_values(state: State) -> dict[str, Any]:
     """What each widget holds for a state."""
     values: dict[str, Any] = {name: getattr(state.perturbation, name) for name in (*RANGES, "outlier_kind", "seed")}
+    if state.start:
+        for name, size in zip(("rotation", "translation"), start_size(state), strict=True):
+            step, allowed = _STEPS[name], RANGES[name]
+            values[name] = round(min(max(round(size / step) * step, allowed.low), allowed.high), 6)
     for name in (
         "shape",
         "left",
@@ -263,6 +304,8 @@ def _widget_values(state: State) -> dict[str, Any]:
         "epsilon",
         "max_iterations",
         "speed",
+        "replay",
+        "handles",
         "order",
         "difference",
         "ghost",

@@ -44,7 +44,7 @@ class ErrorsTab:
             else:
                 plot.restyle(data, *_style(run, name, state))
         if look != self._look:
-            self._caption.content = caption(both_methods(run))
+            self._caption.content = caption(both_methods(run, state.dark))
         self._look = look
 
 
@@ -72,7 +72,7 @@ def _above(value: float) -> float:
 
 def _style(run: Run, name: str, state: State) -> tuple[list[Any], dict[str, Any], list[Any]]:
     series: list[Any] = [{"label": "iteration"}]
-    colors = [palette.css(color) for color in palette.METHOD_COLORS]
+    colors = [palette.css(palette.method_color(side.method, state.dark)) for side in run.sides]
     series += [{"stroke": color, "width": 1.5, "points": {"show": False}} for color in colors]
     series += [
         {"stroke": color, "width": 0, "points": {"show": True, "size": 9, "fill": color, "stroke": color}}

@@ -59,7 +59,7 @@ class _HistogramChart:
         self._plot.restyle(data, *_style(side, state))
         what = "minus the reference line" if state.difference else "against the reference line"
         seen_by = "histogram" if run.maps else f"as {html.escape(run.histogram.name)} sees it,"
-        self._caption.content = caption(f"<b>{method_span(run.method, side.pane)}</b> {seen_by} {what}")
+        self._caption.content = caption(f"<b>{method_span(run.method, state.dark)}</b> {seen_by} {what}")
 
 
 def _style(side: SideFrame, state: State) -> tuple[list[Any], dict[str, Any], list[Any]]:

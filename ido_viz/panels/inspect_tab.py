@@ -110,7 +110,7 @@ def tables_html(inspection: Inspection, state: State) -> str:
     """The shares of the blocks, and the bins of the inspected point."""
     side, shares = inspection.side, inspection.shares
     what = _WHAT.get(state.coloring, state.coloring)
-    title = f"<b>{method_span(side.method, inspection.pane)}</b> next update, by blocks"
+    title = f"<b>{method_span(side.method, state.dark)}</b> next update, by blocks"
     blocks = [
         (block.name, f"{total:+.4f}", *(f"{value:+.3f}" for value in of_block))
         for block, total, of_block in zip(

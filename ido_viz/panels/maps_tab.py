@@ -67,8 +67,8 @@ def _shown_html(side: SideFrame, state: State) -> str:
     """The map that makes the next update, or the pinned one."""
     run = side.run
     if run.maps is None:
-        return no_maps(run, side.pane)
-    title = f"<b>{method_span(run.method, side.pane)}</b> map {side.shown_map} of {len(run.maps.maps)}"
+        return no_maps(run, state.dark)
+    title = f"<b>{method_span(run.method, state.dark)}</b> map {side.shown_map} of {len(run.maps.maps)}"
     title += " (pinned)" if state.pinned_map else ""
     return heatmap_html(run.maps, side.shown_map, side.order, title, state.inspected)
 
@@ -78,13 +78,13 @@ def _compared_html(frame: Frame) -> str:
 
     The order by contribution is one iteration's; these maps, which belong to several, are then by model index.
     """
-    parts = [no_maps(side.run, side.pane) for side in frame.sides if side.run.maps is None]
+    parts = [no_maps(side.run, frame.state.dark) for side in frame.sides if side.run.maps is None]
     for number in COMPARED:
         for side in frame.sides:
             maps = side.run.maps
             if maps is not None:
                 shown = min(number, len(maps.maps))
-                title = f"{method_span(side.run.method, side.pane)} map {shown}"
+                title = f"{method_span(side.run.method, frame.state.dark)} map {shown}"
                 parts.append(heatmap_html(maps, shown, side.map_order, title, frame.state.inspected))
     return "".join(parts)
 

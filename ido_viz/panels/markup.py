@@ -13,30 +13,21 @@ def caption(content: str) -> str:
     return f'<div style="font-size:0.75rem;line-height:1.3;margin:2px 8px 0 8px">{content}</div>'
 
 
-def method_span(method: str, pane: int) -> str:
-    """A method's name in its pane's colour."""
-    return f'<span style="color:{palette.css(palette.METHOD_COLORS[pane])}">● {html.escape(method)}</span>'
+def method_span(method: str, dark: bool) -> str:
+    """A method's name in its colour."""
+    color = palette.text(palette.method_color(method, dark), dark)
+    return f'<span style="color:{palette.css(color)}">● {html.escape(method)}</span>'
 
 
-def both_methods(run: Run) -> str:
+def both_methods(run: Run, dark: bool) -> str:
     """Both methods' names in their colours."""
-    return " &nbsp; ".join(method_span(side.method, pane) for pane, side in enumerate(run.sides))
+    return " &nbsp; ".join(method_span(side.method, dark) for side in run.sides)
 
 
-def no_maps(side: MethodRun, pane: int) -> str:
+def no_maps(side: MethodRun, dark: bool) -> str:
     """What stands in the place of the maps of a baseline, or of a method that is not there yet."""
     why = "has no maps yet" if side.waiting else "learns no maps"
-    return caption(f"<b>{method_span(side.method, pane)}</b> {why}")
-
-
-def legend() -> str:
-    """What the colours of points mean."""
-    return " &nbsp;".join(
-        '<span style="white-space:nowrap">'
-        + "".join(f'<span style="color:{palette.css(color)}">●</span>' for color in colors)
-        + f" {name}</span>"
-        for name, colors in palette.LEGEND.items()
-    )
+    return caption(f"<b>{method_span(side.method, dark)}</b> {why}")
 
 
 def table_html(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

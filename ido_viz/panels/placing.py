@@ -6,11 +6,20 @@ import viser
 
 from ido_viz.core.state import State
 
-CONTROLS_WIDTH = 300
-CHARTS_WIDTH = 400
+CONTROLS_WIDTH = 310
+CHARTS_WIDTH = 390
 LARGE_TEXT = 1.25
 """How much larger text is for a projector."""
 
+# viser gives all labels the width of its widest; ours are short, and sliders must be long enough to aim with.
+# Its grey of labels is too pale to be read from the back of a room.
+_STYLE = """
+div[style*="width: 7.25em"] { width: 5.6em !important; }
+[role=tab] { padding-inline: 0.6rem !important; }
+.mantine-Button-root[data-size="compact-xs"] { --button-padding-x: 0.25rem !important; }
+:root[data-mantine-color-scheme="light"] { --mantine-color-dimmed: #565d64 !important; }
+:root[data-mantine-color-scheme="dark"] { --mantine-color-dimmed: #a9afb5 !important; }
+"""
 _WIDER = 1.14  # panels are then, less than the text, for the canvas needs its room
 
 
@@ -36,7 +45,7 @@ class Placing:
             return
         self._look = (*shown, state.large_text)
         scale = LARGE_TEXT if state.large_text else 1.0
-        self._style.content = f"<style>html{{font-size:{100 * scale:g}%}}</style>"
+        self._style.content = f"<style>html{{font-size:{100 * scale:g}%}}{_STYLE}</style>"
         wider = _WIDER if state.large_text else 1.0
         self._main.set_width(round(CONTROLS_WIDTH * wider))
         above = None

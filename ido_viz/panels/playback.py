@@ -8,10 +8,9 @@ import viser
 
 from ido_viz.core.actions import Actions, plain
 from ido_viz.core.frame import Frame
-from ido_viz.core.state import State
-from ido_viz.panels.readout import readout_html
+from ido_viz.core.state import NORMAL_SPEED, State
 
-_PREPARING = (
+PREPARING = (
     '<div style="margin:0 8px;font-size:0.75rem">Preparing. On the very first start the numerical loops are '
     "compiled, which takes some seconds.</div>"
 )
@@ -41,17 +40,27 @@ class Playback:
         buttons.on_click(lambda event: moves[event.target.value]())
         self._scrub = gui.add_slider("Iteration", 0, 1, 1, 0, hint="Drag through the registration.")
         self._scrub.on_update(lambda event: actions.jump(int(event.target.value)) if event.client else None)
-        self.speed = gui.add_slider("Speed", 1, 60, 1, state.speed, hint="Iterations a second while playing.")
-        self.readout = gui.add_html(_PREPARING)
+        self.speed = gui.add_slider(
+            "Speed",
+            1,
+            60,
+            1,
+            state.speed,
+            marks=((NORMAL_SPEED, "normal"),),
+            hint="How fast it is played. The more the cloud moves in an iteration, the longer that is to be seen.",
+        )
+        changes = {"Undo": actions.undo, "Redo": actions.redo}
+        gui.add_button_group(
+            "Change", tuple(changes), hint="Take back what was changed last, and do it again: Ctrl-Z and Ctrl-Shift-Z."
+        ).on_click(lambda event: changes[event.target.value]())
         self._cancel = gui.add_button(
             "Cancel what is computed", color="gray", visible=False, hint="Give up the methods that are still computing."
         )
         self._cancel.on_click(plain(actions.cancel))
 
     def draw(self, frame: Frame) -> None:
-        """Write the numbers and the label of the button."""
+        """Write the label of the button."""
         playing = frame.state.playing
-        self.readout.content = readout_html(frame)
         label = "Pause (P)" if playing else "Play (P)"
         if self._play.label != label:
             self._play.label = label

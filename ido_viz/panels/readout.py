@@ -9,8 +9,7 @@ import numpy as np
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.run import MethodRun
-from ido_viz.core.wording import verdict_line
-from ido_viz.panels.markup import legend
+from ido_viz.core.wording import stop_line
 
 ROWS = (
     "Iteration",
@@ -26,12 +25,12 @@ ROWS = (
 def readout_html(frame: Frame) -> str:
     """A table of both sides' live numbers, and below it where a side failed, if one did."""
     head = "".join(
-        f'<th style="text-align:right;color:{palette.css(palette.METHOD_COLORS[side.pane])}">'
+        f'<th style="text-align:right;color:{_color(side.run.method, frame.state.dark)}">'
         f"{html.escape(side.run.method)}</th>"
         for side in frame.sides
     )
     body = "".join(
-        f"<tr><td>{name}</td>"
+        f'<tr><td style="white-space:nowrap">{name}</td>'
         + "".join(f'<td style="text-align:right">{html.escape(cell)}</td>' for cell in cells)
         + "</tr>"
         for name, *cells in zip(ROWS, *map(_cells, frame.sides), strict=True)
@@ -39,9 +38,12 @@ def readout_html(frame: Frame) -> str:
     return (
         '<table class="readout" style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:0.75rem;line-height:1.35;'
         f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>'
-        f'<div style="margin:4px 8px 0 8px;font-size:0.6875rem">{legend()}</div>'
-        + "".join(trace_html(side.pane, side.run) for side in frame.sides)
+        + "".join(trace_html(side.run, frame.state.dark) for side in frame.sides)
     )
+
+
+def _color(method: str, dark: bool) -> str:
+    return palette.css(palette.text(palette.method_color(method, dark), dark))
 
 
 def _cells(side: SideFrame) -> tuple[str, ...]:
@@ -54,20 +56,20 @@ def _cells(side: SideFrame) -> tuple[str, ...]:
         f"{side.rmse:.4f}",
         f"{scores.rotation[k]:.2f}°",
         f"{scores.translation[k]:.4f}",
-        verdict_line(side),
+        stop_line(side),
     )
 
 
-def trace_html(pane: int, side: MethodRun) -> str:
+def trace_html(side: MethodRun, dark: bool) -> str:
     """The traceback of a side that failed, in a box that scrolls and begins at its end; nothing for one that did not.
 
     Args:
-        pane: number of the pane, 0 for the left one.
         side: its run.
+        dark: whether the page is.
     """
     if not side.trace:
         return ""
-    color = palette.css(palette.METHOD_COLORS[pane])
+    color = _color(side.method, dark)
     return (
         f'<div style="margin:6px 8px 0 8px;font-size:0.6875rem"><b style="color:{color}">{html.escape(side.method)}</b>'
         ' failed:</div><div class="trace" tabindex="0" style="display:flex;flex-direction:column-reverse;overflow:auto;'

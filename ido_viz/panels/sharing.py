@@ -38,7 +38,6 @@ class ShareFolder:
         state: what the page begins with.
         actions: what a pasted code does.
         changed: called when a person ticks a box.
-        order: place among the page's folders.
     """
 
     def __init__(
@@ -47,19 +46,16 @@ class ShareFolder:
         state: State,
         actions: Actions,
         changed: Callable[[viser.GuiEvent[Any]], None],
-        order: float,
     ) -> None:
         self._hidden: dict[Part, viser.GuiCheckboxHandle] = {}
-        self.folder = gui.add_folder("Share", order=order)
-        with self.folder:
-            self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
-            self._code.on_update(lambda event: actions.apply_code(event.target.value) if event.client else None)
-            with gui.add_folder("For a class"):
-                gui.add_html(_HIDING)
-                for part in get_args(Part):
-                    box = gui.add_checkbox(f"Hide {part}", part in state.hidden, hint=_PARTS[part])
-                    box.on_update(changed)
-                    self._hidden[part] = box
+        self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
+        self._code.on_update(lambda event: actions.apply_code(event.target.value) if event.client else None)
+        with gui.add_folder("For a class"):
+            gui.add_html(_HIDING)
+            for part in get_args(Part):
+                box = gui.add_checkbox(f"Hide {part}", part in state.hidden, hint=_PARTS[part])
+                box.on_update(changed)
+                self._hidden[part] = box
         gui.add_command("Show all parts").on_trigger(plain(actions.show_all))
 
     @property

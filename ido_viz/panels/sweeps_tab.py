@@ -17,9 +17,6 @@ from ido_viz.core.sweep_results import GROUPS, SCORES, Choice, mean_scores, rows
 from ido_viz.panels.markup import caption
 from ido_viz.panels.plot import Plot, plain_axes
 
-BLACK = "#000000"
-"""A family's colour that a dark page shows as its ink."""
-
 
 class SweepsTab:
     """Curves over a sweep, and the way to the scene of one of its registrations."""
@@ -64,7 +61,7 @@ class SweepsTab:
         _offer(self._trial, tuple(scene_labels(rows, self._method.value, level)))
         self._button.disabled = not methods
         shown = [method for method in methods if GROUPS[self._group.value](method)]
-        self._legend.content = caption(html.escape(missing)) if missing else legend_html(shown, rows)
+        self._legend.content = caption(html.escape(missing)) if missing else legend_html(shown, rows, state.dark)
         curves = [mean_scores(rows, method, SCORES[self._score.value], levels) for method in shown]
         highest = max((float(np.nanmax(values)) for values in curves), default=1.0)
         scales = {
@@ -94,24 +91,23 @@ def _offer(dropdown: Any, options: tuple[str, ...]) -> None:
 
 
 def series_of(method: str, dark: bool) -> dict[str, Any]:
-    """How a method is drawn: its family's colour, and dashes for each variant but the first."""
+    """How a method is drawn: in its colour, and dashed for each variant of a family but the first."""
     its = next(family for family in FAMILIES if method in (name for _, name in family.variants))
-    color = palette.css(palette.ink(dark)) if its.color == BLACK else its.color
+    color = palette.css(palette.method_color(method, dark))
     number = [name for _, name in its.variants].index(method)
     dashes = {"dash": [5 // number, 4]} if number else {}
     return {"label": method, "stroke": color, "width": 2, "points": {"show": True, "size": 4, "fill": color}, **dashes}
 
 
-def legend_html(methods: list[str], rows: Results) -> str:
+def legend_html(methods: list[str], rows: Results, dark: bool) -> str:
     """The methods in their colours."""
     names = " &nbsp;".join(
-        f'<span style="white-space:nowrap"><span style="color:{_text_color(method)}">'
+        f'<span style="white-space:nowrap"><span style="color:{_text_color(method, dark)}">'
         f"{'┅' if 'dash' in series_of(method, False) else '━'}</span> {html.escape(method)}</span>"
         for method in methods
     )
     return caption(f"Mean over {len(np.unique(rows.trial))} scenes a level. {names}")
 
 
-def _text_color(method: str) -> str:
-    color = series_of(method, False)["stroke"]
-    return "inherit" if color == palette.css(palette.ink(False)) else color
+def _text_color(method: str, dark: bool) -> str:
+    return palette.css(palette.text(palette.method_color(method, dark), dark))

@@ -42,10 +42,11 @@ class TrainingTab:
         if look == self._look:
             return
         self._look = look
-        idle = "".join(no_maps(side, i) for i, side in enumerate(run.sides) if side.maps is None)
-        self._caption.content = caption(both_methods(run)) + idle
+        idle = "".join(no_maps(side, state.dark) for side in run.sides if side.maps is None)
+        self._caption.content = caption(both_methods(run, state.dark)) + idle
         series: list[Any] = [{"label": "maps"}]
-        for color, width in zip(palette.METHOD_COLORS, (4, 1.5), strict=True):  # so that equal curves are both seen
+        for side, width in zip(run.sides, (4, 1.5), strict=True):  # so that equal curves are both seen
+            color = palette.method_color(side.method, state.dark)
             series.append({"stroke": palette.css(color), "width": width, "points": {"show": False}})
         for name, plot in self._plots.items():
             curves = [
@@ -61,9 +62,9 @@ class TrainingTab:
             data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
             plot.restyle(data, series, scales, plain_axes(state, powers=(lowest, 0)))
         self._samples.content = "".join(
-            _samples_html(side.maps, f"{method_span(side.method, i)} {part} error of 600 samples", columns)
+            _samples_html(side.maps, f"{method_span(side.method, state.dark)} {part} error of 600 samples", columns)
             for part, columns in (("rotation", slice(3, 6)), ("translation", slice(0, 3)))
-            for i, side in enumerate(run.sides)
+            for side in run.sides
             if side.maps
         )
 

@@ -21,15 +21,14 @@ class LessonFolder:
         gui: where its widgets are placed.
         open_state: opens a page; called on a thread of the server.
         state: what the page begins with; if it is a step's, that step is shown.
-        order: place among the page's folders.
     """
 
-    def __init__(self, gui: viser.GuiApi, open_state: Callable[[State], None], state: State, order: float) -> None:
+    def __init__(self, gui: viser.GuiApi, open_state: Callable[[State], None], state: State) -> None:
         self._open = open_state
         self._by_title = {lesson.title: lesson for lesson in lessons()}
         self._at: tuple[Lesson, int] | None = step_of(state)
         self._lock = threading.Lock()  # clicks may come on several threads
-        self.folder = gui.add_folder("Lessons", order=order)
+        self.folder = gui.add_folder("Lessons")
         with self.folder:
             self._menu = gui.add_dropdown(
                 "Lesson",

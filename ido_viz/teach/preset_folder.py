@@ -23,12 +23,11 @@ class PresetFolder:
     Args:
         gui: where they are placed.
         open_state: opens a page; called on a thread of the server.
-        order: place among the page's folders.
     """
 
-    def __init__(self, gui: viser.GuiApi, open_state: Callable[[State], None], order: float) -> None:
+    def __init__(self, gui: viser.GuiApi, open_state: Callable[[State], None]) -> None:
         self.buttons: dict[str, viser.GuiButtonHandle] = {}
-        self.folder = gui.add_folder("Presets", order=order)
+        self.folder = gui.add_folder("Presets")
         with self.folder:
             self._fill(gui, open_state)
 

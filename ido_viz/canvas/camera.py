@@ -1,0 +1,98 @@
+"""From where the canvas is seen: both panes whole in any window, until a person looks from elsewhere."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+import viser
+
+from ido.types import DoubleArray
+from ido_viz.core.geometry import VIEW_DIRECTION
+from ido_viz.core.state import FARTHEST, NO_CAMERA
+
+_WIDTH = 5.15  # of both panes, model units: the camera steps back until they fit
+_HEIGHT = 3.1  # of a pane, with room for what is written above and below it
+_PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
+_PATIENCE = 3.0  # seconds in which a page gets to the place that it was sent
+_SAME = 0.01  # places that differ less are one
+
+
+class Camera:
+    """The camera of one page.
+
+    Its place is told as six numbers that hold in a window of any shape: from what it looks at to the camera, divided by
+    the distance from which both panes fit, and what it looks at, from the middle of both panes.
+
+    Args:
+        camera: of the page.
+        moved: called with these numbers when a person has moved it.
+        arrived: called once, when the page first shows what it was sent.
+    """
+
+    def __init__(
+        self, camera: viser.CameraHandle, moved: Callable[[tuple[float, ...]], None], arrived: Callable[[], None]
+    ) -> None:
+        self._camera = camera
+        self._moved = moved
+        self._aspect = 0.0  # of the window that it was placed for
+        self._placed: tuple[float, ...] = NO_CAMERA
+        self._awaited_until = 0.0  # until the page has the place that was sent, it tells of others on the way
+        self._arrived: Callable[[], None] | None = arrived
+        self._lock = threading.Lock()  # the camera's callbacks overtake each other
+        camera.on_update(lambda _: self._on_update())
+
+    def show(self, place: tuple[float, ...]) -> None:
+        """Look from a place of the state, unless the page does already."""
+        with self._lock:
+            if place != self._placed or not self._aspect:  # sent with the first frame, whose arrival it tells
+                self._placed = place
+                self._place()
+
+    def _on_update(self) -> None:
+        moved = False
+        with self._lock:
+            if not self._aspect:
+                return
+            if abs(self._camera.aspect - self._aspect) > 0.02 * self._camera.aspect:  # another window
+                self._place()
+                return
+            place = self._seen()
+            is_there = np.allclose(place, self._placed or _FITTED, atol=_SAME)
+            arrived = self._arrived if is_there else None
+            if is_there:
+                self._awaited_until, self._arrived = 0.0, None
+            elif time.perf_counter() > self._awaited_until:
+                self._placed = place
+                moved = True
+        if arrived is not None:
+            arrived()
+        if moved:
+            self._moved(place)
+
+    def _place(self) -> None:
+        self._aspect = self._camera.aspect
+        distance, middle = self._fit()
+        place = np.array(self._placed or _FITTED)
+        self._awaited_until = time.perf_counter() + _PATIENCE
+        self._camera.position = middle + place[3:] + distance * place[:3]
+        self._camera.look_at = middle + place[3:]
+
+    def _seen(self) -> tuple[float, ...]:
+        distance, middle = self._fit()
+        look_at = np.asarray(self._camera.look_at)
+        place = np.concatenate([(np.asarray(self._camera.position) - look_at) / distance, look_at - middle])
+        return tuple(np.clip(np.round(place, 3), -FARTHEST, FARTHEST).tolist())
+
+    def _fit(self) -> tuple[float, DoubleArray]:
+        """The distance from which both panes fit, and their middle."""
+        portrait = self._aspect < _PORTRAIT
+        height = max(_HEIGHT, _WIDTH / self._aspect * (1.1 if portrait else 1.0))
+        distance = height / 2 / float(np.tan(self._camera.fov / 2))
+        # on a phone the controls cover the lower part, so the panes move up
+        return distance, np.array([0.0, 0.0, -0.27 * height if portrait else 0.0])
+
+
+_FITTED = (*(VIEW_DIRECTION / np.linalg.norm(VIEW_DIRECTION)).tolist(), 0.0, 0.0, 0.0)

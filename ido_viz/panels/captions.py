@@ -1,0 +1,109 @@
+"""What is written over the canvas: each pane's method above it, its verdict below, and what the colours mean."""
+
+from __future__ import annotations
+
+import html
+
+import viser
+
+from ido_viz.core import palette
+from ido_viz.core.frame import Frame, SideFrame
+from ido_viz.core.legend import legend_html
+from ido_viz.core.verdict import Verdict
+from ido_viz.core.wording import one_line, progress_line
+
+_SIGNS = {
+    Verdict.IN_PLACE: "✓",
+    Verdict.NEARLY_IN_PLACE: "≈",
+    Verdict.WRONG_POSE: "✗",
+    Verdict.FAILED: "✗",
+    Verdict.MOVING: "→",
+    Verdict.COMPUTING: "…",
+    Verdict.CANCELLED: "–",
+}
+
+# The canvas is an anchor, so that what is written stays on it whatever is docked beside it; where a browser knows no
+# anchors, it lies over the window's middle. Heights are fixed: nothing moves when a text changes.
+_STYLE = """<style>
+canvas[data-engine] { anchor-name: --canvas; }
+.over-canvas { position: fixed; position-anchor: --canvas; left: 25%; right: 30%; z-index: 5; pointer-events: none;
+  display: flex; overflow: hidden; }
+@supports (left: anchor(left)) { .over-canvas { left: anchor(left); right: anchor(right); } }
+.names { top: 0.6rem; height: 3.4rem; }
+.verdicts { bottom: 1.9rem; height: 4.1rem; }
+.legend { bottom: 0.5rem; height: 1.2rem; justify-content: center; }
+@supports (left: anchor(left)) {
+  .names { top: calc(anchor(top) + 0.6rem); }
+  .verdicts { bottom: calc(anchor(bottom) + 1.9rem); }
+  .legend { bottom: calc(anchor(bottom) + 0.5rem); }
+}
+.over-canvas > div { flex: 1 1 0; min-width: 0; text-align: center; line-height: 1.35; padding: 0 0.4rem;
+  white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+@media (max-width: 600px) {
+  .over-canvas { left: 0; right: 0; }
+  .verdicts { bottom: auto; top: 4rem; }
+  .legend { display: none; }
+}
+</style>"""
+
+
+class Captions:
+    """Writes over the canvas of one page."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        gui.add_html(_STYLE)
+        self._html = gui.add_html("")
+
+    def draw(self, frame: Frame) -> None:
+        """Write what a frame says of both panes."""
+        content = captions_html(frame)
+        if self._html.content != content:
+            self._html.content = content
+
+
+def captions_html(frame: Frame) -> str:
+    """Names, verdicts and the meaning of the colours, as HTML."""
+    names = "".join(f"<div>{_name_html(side, frame)}</div>" for side in frame.sides)
+    verdicts = "".join(f'<div class="verdict">{_verdict_html(side, frame)}</div>' for side in frame.sides)
+    return (
+        f'<div class="over-canvas names">{names}</div><div class="over-canvas verdicts">{verdicts}</div>'
+        f'<div class="over-canvas legend">{legend_html(frame)}</div>'
+    )
+
+
+def _name_html(side: SideFrame, frame: Frame) -> str:
+    dark = frame.state.dark
+    color = palette.css(palette.text(palette.method_color(side.run.method, dark), dark))
+    over = "" if side.overlay is None else f", with {side.overlay.title}"
+    return (
+        f'<b style="font-size:1.15rem;color:{color}">{html.escape(one_line(side.run.method))}</b><br>'
+        f'<span style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'
+        f"{html.escape(progress_line(side) + over)}</span>"
+    )
+
+
+def _verdict_html(side: SideFrame, frame: Frame) -> str:
+    """The verdict, large, and the reason for it; while the start is in somebody's hand, that of the end."""
+    dark = frame.state.dark
+    if "scores" in frame.state.hidden:
+        return ""
+    verdict = side.run.verdict(side.run.trajectory.iterations) if frame.held else side.verdict
+    color = palette.css(palette.text(palette.verdict_color(verdict), dark))
+    words = f"will end {verdict}" if frame.held and side.run.pending is None else str(verdict)
+    return (
+        f'<b style="font-size:1.5rem;color:{color}">{_SIGNS[verdict]} {words}</b><br>'
+        f'<span style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'
+        f"{html.escape(_reason(side, verdict, frame.held))}</span>"
+    )
+
+
+def _reason(side: SideFrame, verdict: Verdict, held: bool) -> str:
+    """Why that is said."""
+    if side.run.pending is not None:
+        return one_line(side.run.waiting)
+    k = side.run.trajectory.iterations if held else side.k
+    arrived = f"{side.run.scores.accuracy[k]:.0%} arrived"
+    if verdict is Verdict.MOVING:
+        return arrived
+    away = "" if verdict is Verdict.IN_PLACE else f", {side.run.scores.rotation[k]:.0f}° off"
+    return f"{arrived}{away} · {side.run.trajectory.stop}"
