@@ -17,6 +17,7 @@ from ido_viz.panels.controls import Controls
 from ido_viz.panels.errors_tab import ErrorsTab
 from ido_viz.panels.help_tab import HelpTab
 from ido_viz.panels.histograms_tab import HistogramsTab
+from ido_viz.panels.inside_panel import InsidePanel
 from ido_viz.panels.inspect_tab import InspectTab
 from ido_viz.panels.maps_tab import MapsTab
 from ido_viz.panels.placing import Placing
@@ -45,6 +46,7 @@ class Page:
         gui.main_panel.dock_left()
         self._gui = gui
         self._captions = Captions(gui)
+        self._inside = InsidePanel(gui)
         self._controls = Controls(client, library, state, actions)
         with self._controls.tabs["Learn"]:
             lessons = LessonFolder(gui, actions.open_page, state)
@@ -105,6 +107,13 @@ class Page:
         self._derivations.draw(state.dark)
         self._controls.draw(frame, may_cancel=may_cancel)
         self._captions.draw(frame)
+        self._inside.draw(frame)
+
+    def draw_inside(self, frame: Frame) -> None:
+        """Draw the slow motion of an iteration, and nothing that stays the same in it."""
+        self._canvas.draw(frame)
+        self._inside.draw(frame)
+        self._controls.show_iteration(frame)
 
     def move(self, frame: Frame) -> None:
         """Move both scenes to where a frame has them, and nothing else."""

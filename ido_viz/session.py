@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import viser
 
@@ -26,10 +26,12 @@ from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame, frame_of, shown_iteration
 from ido_viz.core.hand import Hand
 from ido_viz.core.history import History
+from ido_viz.core.inside import BEAT_SECONDS, STEP, strongest_point
+from ido_viz.core.inspection import inspect, inspected_number
 from ido_viz.core.library import Library
 from ido_viz.core.live_run import LiveRun
 from ido_viz.core.run import Run, scene_inputs
-from ido_viz.core.state import LAST, NO_CAMERA, NO_POINT, NO_START, State, StateError, decode
+from ido_viz.core.state import BEATS, LAST, NO_CAMERA, NO_POINT, NO_START, NORMAL_SPEED, Pane, State, StateError, decode
 from ido_viz.core.sweep_results import Choice
 from ido_viz.page import Page
 
@@ -41,6 +43,12 @@ UNSEEN = 10.0
 
 AFTER_A_CHANGE = 0.7
 """Seconds without another change of the scene, after which it is played."""
+
+IN_HAND = 60.0
+"""The same while the handles are held."""
+
+AFTER_LETTING_GO = 0.3
+"""The same once they were let go."""
 
 _LARGEST_NEW_SEED = 9_999  # short enough to be told across a room
 
@@ -84,22 +92,24 @@ class Session:
 
     # What was asked, by the widgets' callbacks
 
-    def _change(self, change: Callable[[State], State], *, show: bool = False, replays: bool = False) -> None:
+    def _change(
+        self, change: Callable[[State], State], *, show: bool = False, replays_after: float | None = None
+    ) -> None:
         with self._awake:
             if self._read_controls:  # what was asked before comes first
                 self._read()
-            before, self._state = self._state, change(self._state)
-            if replays and self._state.replay and scene_inputs(self._state) != scene_inputs(before):
-                self._replay()
+            self._state = change(self._state)
+            if replays_after is not None and self._state.replay:
+                self._replay(replays_after)
             if show and self._page is not None:
                 self._page.show(self._state)
             self._dirty = True
             self._awake.notify()
 
-    def _replay(self) -> None:
-        """Show the start, and play once nothing changes any more; called with the lock held."""
-        self._state = replace(self._state, iteration=0, playing=True)
-        self._clock.start(0.0, AFTER_A_CHANGE)
+    def _replay(self, wait: float) -> None:
+        """Show the start, and play after so many seconds without another change; called with the lock held."""
+        self._state = replace(self._state, iteration=0, inside=0.0, playing=True)
+        self._clock.start(0.0, wait)
         self._first_look, self._in_hand = False, True
 
     def _changed(self) -> None:
@@ -151,7 +161,8 @@ class Session:
     def _grab(self, pane: int, phase: str, T_handles: FloatArray) -> None:
         start = None if self._drawn is None else self._hand.start_pose(self._drawn, pane, phase, T_handles)
         if start is not None:
-            self._change(lambda state: replace(state, start=start), show=True, replays=True)
+            wait = AFTER_LETTING_GO if phase == "end" else IN_HAND
+            self._change(lambda state: replace(state, start=start), show=True, replays_after=wait)
 
     def _look(self, camera: tuple[float, ...]) -> None:
         with self._awake:  # nothing but the code has to be written anew, which the next frame does
@@ -180,6 +191,11 @@ class Session:
         def toggled(state: State) -> State:
             if state.playing:
                 return replace(state, playing=False)
+            if state.inside > 0:  # once it is over, that of the next iteration
+                self._clock.start(0.0)
+                if state.inside < BEATS:
+                    return replace(state, playing=True)
+                return replace(state, playing=True, inside=STEP, iteration=self._shown(state) + 1)
             at_end = self._shown(state) >= (self._run.iterations if self._run else 0)
             position = 0 if at_end else self._shown(state)
             self._clock.start(position)
@@ -188,17 +204,42 @@ class Session:
         self._change(toggled)
 
     def _step(self, by: int) -> None:
-        self._change(lambda state: self._at(replace(state, playing=False), max(0, self._shown(state) + by)))
+        self._change(lambda state: self._at(_still(state), max(0, self._shown(state) + by)))
 
     def _jump(self, iteration: int) -> None:
-        self._change(lambda state: self._at(replace(state, playing=False), iteration))
+        self._change(lambda state: self._at(_still(state), iteration))
+
+    def _look_inside(self) -> None:
+        def toggled(state: State) -> State:
+            return _still(state) if state.inside > 0 else self._inside(state, STEP, playing=True)
+
+        self._change(toggled)
+
+    def _to_beat(self, beat: float) -> None:
+        self._change(lambda state: self._inside(state, beat, playing=False) if beat > 0 else _still(state))
+
+    def _inside(self, state: State, position: float, *, playing: bool) -> State:
+        """The state in the slow motion of an iteration, of a method with maps and a model point of it."""
+        run = self._run
+        if run is None or all(side.maps is None for side in run.sides):
+            self._tell("There is nothing to look into", "Show a method that learns maps, such as DO or Improved DO.")
+            return state
+        pane = inspected_number(state)
+        pane = pane if run.sides[pane].maps is not None else 1 - pane
+        k = max(0, min(self._shown(state), run.sides[pane].trajectory.iterations - 1))
+        state = replace(state, inspected_pane=get_args(Pane)[pane], iteration=k, inside=position, playing=playing)
+        inspection = inspect(run, state, k, pane)
+        if inspection is not None and inspection.point is None:
+            state = replace(state, inspected=strongest_point(inspection))
+        self._clock.start(k)
+        return state
 
     def _new_seed(self) -> None:
         seed = random.randint(0, _LARGEST_NEW_SEED)
         self._change(
             lambda s: replace(s, perturbation=replace(s.perturbation, seed=seed), start=NO_START),
             show=True,
-            replays=True,
+            replays_after=AFTER_A_CHANGE,
         )
 
     def _paper_defaults(self) -> None:
@@ -207,7 +248,7 @@ class Session:
             perturbation = Perturbation(outlier_kind=kind, seed=state.perturbation.seed)
             return replace(state, perturbation=perturbation, start=NO_START)
 
-        self._change(reset, show=True, replays=True)
+        self._change(reset, show=True, replays_after=AFTER_A_CHANGE)
 
     def _apply_code(self, code: str) -> None:
         if not code.strip():  # cleared, to paste another
@@ -264,6 +305,8 @@ class Session:
             click=self._click,
             grab=self._grab,
             look=self._look,
+            look_inside=self._look_inside,
+            to_beat=self._to_beat,
             seen=self._seen,
             reset_view=lambda: self._change(lambda state: replace(state, camera=NO_CAMERA)),
             undo=self._undo,
@@ -316,7 +359,11 @@ class Session:
         asked, self._dirty = self._dirty, False
         show = self._read() if self._read_controls else False
         state = self._state
-        if state.playing and self._run is not None:
+        if state.playing and state.inside > 0:
+            beats = self._clock.passed() / BEAT_SECONDS * state.speed / NORMAL_SPEED
+            inside = min(state.inside + beats, float(BEATS))
+            state = replace(state, inside=inside, playing=inside < BEATS)
+        elif state.playing and self._run is not None:
             self._clock.tick(state.speed, moves=not self._live.waiting)  # both panes set out together
             state = self._at(state, int(self._clock.position))
             if state.iteration == LAST or self._run.iterations == 0:
@@ -335,7 +382,7 @@ class Session:
         if self._state.shape != before.shape:
             self._state = self._library.at_shape(self._state, self._state.shape)
         if self._state.replay and scene_inputs(self._state) != scene_inputs(before):
-            self._replay()
+            self._replay(AFTER_A_CHANGE)
         return not usable or self._state.shape != before.shape
 
     def _frame(self, page: Page, state: State, show: bool, asked: bool) -> None:
@@ -360,6 +407,11 @@ class Session:
                     page.move(drawn.on_the_way(self._clock.position - state.iteration))
             return
         frame = frame_of(run, state, held=held)
+        if drawn and not asked and drawn.run is run and replace(drawn.state, inside=state.inside) == state:
+            with self._client.atomic():
+                page.draw_inside(frame)
+                self._drawn = frame
+            return
         with self._client.atomic():
             page.draw(frame, self._comparison, may_cancel=self._live.slow)
             self._drawn = frame
@@ -375,3 +427,8 @@ class Session:
 
     def _tell(self, title: str, body: str) -> None:
         self._client.add_notification(title, body, color="red", auto_close_seconds=8.0)
+
+
+def _still(state: State) -> State:
+    """Neither playing nor in slow motion."""
+    return replace(state, playing=False, inside=0.0)

@@ -17,10 +17,12 @@ from ido_viz.canvas.model_view import ModelView
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.geometry import error_vectors, quaternion, track_of, upright
+from ido_viz.core.inside import Inside
 from ido_viz.core.inspection import Inspection
 from ido_viz.core.overlay import Overlay
 from ido_viz.core.palette import Color
 from ido_viz.core.run import MethodRun
+from ido_viz.core.state import BEATS
 from ido_viz.core.wording import progress_line
 
 PANE_OFFSETS = (-1.17, 1.17)
@@ -83,6 +85,8 @@ class PaneView:
         )
         self._trail = lines("trail", palette.GUIDE, 2.0)
         self._errors = lines("errors", palette.GHOST, 1.0)
+        self._arrow = lines("arrow", palette.GUIDE, 4.0)
+        self._arc = lines("arc", palette.GUIDE, 2.5)
         self._scene = scene.add_frame(f"{root}/scene", show_axes=False)
         self._points = cloud("scene/points", palette.GUIDE, 0.032)
         self._outliers = cloud("scene/outliers", palette.OUTLIER, 0.012)
@@ -99,14 +103,16 @@ class PaneView:
     def draw(self, frame: Frame) -> None:
         """Draw the pane's side of a frame, and what is looked into if it is this side."""
         run, state, side = frame.run, frame.state, frame.sides[self._pane]
-        inspection = side.inspection if side is frame.inspected else None
+        inside = frame.inside if side is frame.inspected else None
+        inspection = side.inspection if side is frame.inspected and (inside is None or inside.beat <= 2) else None
         if run.subject.up != self._up:
             self._root.wxyz = quaternion(upright(run.subject.up))
             self._up = run.subject.up
         self._model.draw(frame, self._pane, inspection)
         if (run.scene, side.run.trajectory, side.run.method, state.dark) != self._drawn:
             self._place(run.scene, side.run, state.dark)
-        self._paint_scene(frame, side, inspection)
+        self._paint_scene(frame, side, inspection, inside)
+        self._show_motion(inside, frame.state.dark)
         self._ghost.visible = state.ghost and (inspection is None or inspection.point is None)
         self.move(side)
         self._end.visible = frame.held
@@ -154,16 +160,31 @@ class PaneView:
             _move(self._overlay, over.T_model_scene)
             self._overlay_points.colors = np.array(over.color)
 
-    def _paint_scene(self, frame: Frame, side: SideFrame, inspection: Inspection | None) -> None:
+    def _show_motion(self, inside: Inside | None, dark: bool) -> None:
+        """Draw the step that the last beat of the slow motion is about."""
+        shown = inside is not None and inside.beat == BEATS
+        for lines in (self._arrow, self._arc):
+            lines.visible = shown
+        if inside is not None and shown:
+            arrow, arc = inside.motion
+            self._arrow.points, self._arc.points = arrow.astype(np.float32), arc.astype(np.float32)
+            self._arrow.colors = self._arc.colors = np.array(palette.ink(dark))
+
+    def _paint_scene(self, frame: Frame, side: SideFrame, inspection: Inspection | None, inside: Inside | None) -> None:
         """Colour the scene by what has arrived, or by the inspected point's answers, with the surface between them."""
         point = one = partner = question = None
         color, dark, is_outlier = palette.GUIDE, frame.state.dark, frame.run.scene.is_outlier
-        if inspection is not None:
+        if inside is not None and inside.beat <= 2:
+            point, question = inside.point, inside.question
+            color = question_color(side.run, question)
+        elif inspection is not None:
             point, one, question = inspection.point, inspection.scene_point, inspection.question
             partner = None if one is None else inspection.moved[one]
             color = color if question is None else question_color(side.run, question)
         self._diagram.draw(side.run.histogram.model, point, question, color, partner)
         answers = None if inspection is None else inspection.answers
+        if inside is not None and inside.beat <= 2:
+            answers = inside.asked
         if answers is not None:
             first, counts = answers
             if one is not None:  # the others stand back

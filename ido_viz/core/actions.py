@@ -19,6 +19,8 @@ class Actions:
     changed: Callable[[], None]
     play: Callable[[], None]
     step: Callable[[int], None]
+    look_inside: Callable[[], None]
+    to_beat: Callable[[float], None]
     jump: Callable[[int], None]
     new_seed: Callable[[], None]
     paper_defaults: Callable[[], None]

@@ -43,9 +43,14 @@ class Clock:
         """Seconds until there is something new to draw."""
         return max(self._ticked + FRAME - time.perf_counter(), 0.0)
 
+    def passed(self) -> float:
+        """Seconds since it was asked last, or since it set out."""
+        now = time.perf_counter()
+        passed, self._ticked = max(now - self._ticked, 0.0), max(now, self._ticked)
+        return passed
+
     def tick(self, speed: int, *, moves: bool) -> None:
         """Go on by the time that has passed since the last tick, if anything moves."""
-        now = time.perf_counter()
-        if moves and now > self._ticked and self._pacing is not None:
-            self.position = self._pacing.after(self.position, now - self._ticked, speed)
-        self._ticked = max(now, self._ticked)
+        passed = self.passed()
+        if moves and passed > 0 and self._pacing is not None:
+            self.position = self._pacing.after(self.position, passed, speed)

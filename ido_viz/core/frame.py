@@ -10,10 +10,11 @@ from ido import poses
 from ido.bin_order import bin_order
 from ido.scores import registered
 from ido.types import BoolArray, FloatArray
+from ido_viz.core.inside import Inside, inside_of
 from ido_viz.core.inspection import Inspection, inspect, inspected_number
 from ido_viz.core.overlay import Overlay, overlay_of
 from ido_viz.core.run import MethodRun, Run
-from ido_viz.core.state import LAST, State
+from ido_viz.core.state import BEATS, LAST, State
 from ido_viz.core.verdict import Verdict
 
 
@@ -85,6 +86,8 @@ class Frame:
     run: Run
     k: int
     sides: tuple[SideFrame, SideFrame]
+    inside: Inside | None = None
+    """The slow motion of the next iteration of the side that is looked into; None for none."""
     held: bool = False
     """Whether the start is shown while it is still changed, before it plays."""
 
@@ -102,7 +105,12 @@ class Frame:
 def frame_of(run: Run, state: State, *, held: bool = False) -> Frame:
     """The frame that a state shows of its run."""
     k = shown_iteration(run, state)
-    return Frame(state, run, k, (_side_frame(run, state, k, 0), _side_frame(run, state, k, 1)), held)
+    sides = [_side_frame(run, state, k, 0), _side_frame(run, state, k, 1)]
+    seen = sides[inspected_number(state)]
+    inside = inside_of(seen.run, seen.k, seen.inspection, state.inside)
+    if inside is not None and inside.beat == BEATS:
+        sides[seen.pane] = seen.on_the_way(inside.share)
+    return Frame(state, run, k, (sides[0], sides[1]), inside, held)
 
 
 def frame_at(run: Run, state: State, position: float) -> Frame:

@@ -33,6 +33,7 @@ class Inspection:
         scene_point: number of the scene point that it is asked about; None for all alike.
         question: the block that it is asked about; None where the histogram has no such block.
         moved: the scene points at the pose, shape (S, 3).
+        is_outlier: which of the scene points belong to nothing, shape (S,).
         misleading: whether the values are those towards the true pose, so that the negative ones mislead.
     """
 
@@ -45,6 +46,7 @@ class Inspection:
     scene_point: int | None
     question: Question | None
     moved: FloatArray
+    is_outlier: BoolArray
     misleading: bool
 
     @property
@@ -96,6 +98,7 @@ def inspect(run: Run, state: State, iteration: int, pane: int) -> Inspection | N
         _known(state.scene_point, len(moved)),
         next((block for block in side.histogram.questions if block.name == state.question), None),
         moved,
+        run.scene.is_outlier,
         misleading,
     )
 

@@ -42,6 +42,9 @@ LONGEST_NAME = 100
 FARTHEST = 20.0
 """Of a start pose and the camera, model units."""
 
+BEATS = 5
+"""Of the slow motion of an iteration."""
+
 MOST_MAPS = 1000
 """Highest number of a map that can be pinned."""
 
@@ -66,6 +69,7 @@ class State:
         epsilon: stopping threshold of the update norm.
         max_iterations: limit of all iterations.
         iteration: k, the poses after k updates are shown; `LAST` for the end.
+        inside: how far the slow motion of the next iteration is, in beats; 0 for none.
         playing: whether the iteration moves on by itself.
         speed: how fast it plays, see `pacing`; 15 is normal.
         replay: whether another scene is played from its start.
@@ -101,6 +105,7 @@ class State:
     epsilon: float = EPSILON
     max_iterations: int = MAX_ITERATIONS
     iteration: int = 0
+    inside: float = 0.0
     playing: bool = True
     speed: int = NORMAL_SPEED
     replay: bool = True
@@ -143,6 +148,7 @@ class State:
             "epsilon": EPSILON_RANGE,
             "max_iterations": (1, LONGEST_RUN),
             "iteration": (LAST, LONGEST_RUN),
+            "inside": (0, BEATS),
             "speed": (1, 60),
             "pinned_map": (0, MOST_MAPS),
             "overlaid_iteration": (0, LONGEST_RUN),

@@ -85,7 +85,7 @@ def _name_html(side: SideFrame, frame: Frame) -> str:
 def _verdict_html(side: SideFrame, frame: Frame) -> str:
     """The verdict, large, and the reason for it; while the start is in somebody's hand, that of the end."""
     dark = frame.state.dark
-    if "scores" in frame.state.hidden:
+    if "scores" in frame.state.hidden or frame.inside is not None:  # the slow motion has the place
         return ""
     verdict = side.run.verdict(side.run.trajectory.iterations) if frame.held else side.verdict
     color = palette.css(palette.text(palette.verdict_color(verdict), dark))

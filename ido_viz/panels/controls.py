@@ -72,6 +72,7 @@ class Controls:
             ("Next iteration", "N", lambda: actions.step(1)),
             ("Back one iteration", "B", lambda: actions.step(-1)),
             ("Restart at iteration 0", "R", lambda: actions.jump(0)),
+            ("Look inside the next iteration", "I", actions.look_inside),
             ("Reset view", "V", actions.reset_view),
         ):
             gui.add_command(label, hotkey=key).on_trigger(plain(act))  # type: ignore[arg-type]

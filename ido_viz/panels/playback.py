@@ -8,7 +8,8 @@ import viser
 
 from ido_viz.core.actions import Actions, plain
 from ido_viz.core.frame import Frame
-from ido_viz.core.state import NORMAL_SPEED, State
+from ido_viz.core.inside import STEP
+from ido_viz.core.state import BEATS, NORMAL_SPEED, State
 
 PREPARING = (
     '<div style="margin:0 8px;font-size:0.75rem">Preparing. On the very first start the numerical loops are '
@@ -38,6 +39,14 @@ class Playback:
             "Step", tuple(moves), hint="To the start, one iteration back or on, to the end. Keys: R, B, N."
         )
         buttons.on_click(lambda event: moves[event.target.value]())
+        self._look = gui.add_button(
+            "Look inside (I)",
+            color="gray",
+            hint="The next iteration in slow motion, in five beats: what it sees, and how that becomes a step.",
+        )
+        self._look.on_click(plain(actions.look_inside))
+        self._beat = gui.add_slider("Beat", 0.0, BEATS, STEP, 0.0, hint="Drag through the five beats.")
+        self._beat.on_update(lambda event: actions.to_beat(float(event.target.value)) if event.client else None)
         self._scrub = gui.add_slider("Iteration", 0, 1, 1, 0, hint="Drag through the registration.")
         self._scrub.on_update(lambda event: actions.jump(int(event.target.value)) if event.client else None)
         self.speed = gui.add_slider(
@@ -72,7 +81,13 @@ class Playback:
             self._cancel.visible = shown
 
     def show_iteration(self, frame: Frame) -> None:
-        """Write the iteration."""
+        """Write the iteration, and the beat of its slow motion."""
+        inside = frame.state.inside
+        label = "Look inside (I)" if inside == 0 else "Leave the slow motion (I)"
+        if self._look.label != label:
+            self._look.label = label
+        if self._beat.value != inside:
+            self._beat.value = inside
         last = max(1, frame.run.iterations)
         if self._scrub.max != last:
             if self._scrub.value > last:
