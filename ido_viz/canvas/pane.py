@@ -136,8 +136,9 @@ class PaneView:
         self._points.points = self._end_points.points = self._overlay_points.points = true_points
         self._end_points.colors = np.array(palette.lighter(color, dark, 0.4))
         _move(self._end, run.T_model_scene[-1])
-        self._outliers.points = scene.points[scene.is_outlier]
         self._outliers.visible = bool(scene.is_outlier.any())
+        if self._outliers.visible:  # a cloud of no points is none to the browser
+            self._outliers.points = scene.points[scene.is_outlier]
         belongs = poses.transform(scene.T_model_scene, true_points).astype(np.float32)
         self._ghost.batched_wxyzs = np.tile([1.0, 0.0, 0.0, 0.0], (len(belongs), 1))
         self._ghost.batched_positions = belongs

@@ -73,7 +73,8 @@ class CompareTab:
 
 def label(row: Row) -> str:
     """A row in columns of fixed width."""
-    name = row.method.replace("reconstruction", "reconstr.")[:26]
+    name = row.method.replace("reconstruction", "reconstr.")
+    name = name if len(name) <= 25 else f"{name[:24]}…"
     if row.failure:
         return f"{name:<26}{('✗ ' + row.failure)[:24]:>24}"
     return f"{name:<26}{row.accuracy:6.3f}{row.rmse:7.3f}{1e3 * row.seconds:6.0f}{row.iterations:5d}"

@@ -31,6 +31,11 @@ class HistogramsTab:
         height = min(max(round(0.29 * window) - 112, 104), 200)  # so that both fill the upper half
         self._charts = [_HistogramChart(gui, height) for _ in range(2)]
 
+    def renew(self) -> None:
+        """Make both charts anew when they are drawn next: made before the page has its size, they may lack their axes."""
+        for chart in self._charts:
+            chart.renew()
+
     def draw(self, frame: Frame) -> None:
         """Draw both histograms."""
         for chart, side in zip(self._charts, frame.sides, strict=True):
@@ -46,11 +51,15 @@ class _HistogramChart:
         self._plot = Plot(gui, height)
         self._look: tuple[object, ...] | None = None
 
+    def renew(self) -> None:
+        """Make the chart anew when it is drawn next."""
+        self._look = None
+
     def draw(self, side: SideFrame, state: State) -> None:
         """Draw a histogram, with what is laid over it and the inspected point's bins."""
         run, data = side.run, histogram_data(side, state)
         look = (run.histogram, run.method, state.order, state.difference, state.dark, state.large_text)
-        look += (side.overlay is None, state.overlay)
+        look += (side.overlay is None, state.overlay, bool(run.waiting))
         if look == self._look:
             self._plot.draw(data)
             return
@@ -59,6 +68,8 @@ class _HistogramChart:
         self._plot.restyle(data, *_style(side, state))
         what = "minus the reference line" if state.difference else "against the reference line"
         seen_by = "histogram" if run.maps else f"as {html.escape(run.histogram.name)} sees it,"
+        if run.waiting:
+            seen_by = f"is not there yet; until then {seen_by}"
         self._caption.content = caption(f"<b>{method_span(run.method, state.dark)}</b> {seen_by} {what}")
 
 

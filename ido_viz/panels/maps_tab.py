@@ -35,7 +35,6 @@ class MapsTab:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._shown = [_Pictures(gui) for _ in range(2)]
-        gui.add_html(caption("<b>Maps 1, 15 and 30</b>, as in the paper's figure"))
         self._compared = _Pictures(gui)
 
     def draw(self, frame: Frame) -> None:
@@ -79,14 +78,25 @@ def _compared_html(frame: Frame) -> str:
     The order by contribution is one iteration's; these maps, which belong to several, are then by model index.
     """
     parts = [no_maps(side.run, frame.state.dark) for side in frame.sides if side.run.maps is None]
-    for number in COMPARED:
+    numbers = sorted({number for side in frame.sides for number in _compared_numbers(side)})
+    if numbers:
+        *before, last = map(str, numbers)
+        listed = f"Maps {', '.join(before)} and {last}" if before else f"Map {last}"
+        of_paper = ", as in the paper's figure" if tuple(numbers) == COMPARED else ""
+        parts.insert(0, caption(f"<b>{listed}</b>{of_paper}"))
+    for number in numbers:
         for side in frame.sides:
             maps = side.run.maps
-            if maps is not None:
-                shown = min(number, len(maps.maps))
-                title = f"{method_span(side.run.method, frame.state.dark)} map {shown}"
-                parts.append(heatmap_html(maps, shown, side.map_order, title, frame.state.inspected))
+            if maps is not None and number in _compared_numbers(side):
+                title = f"{method_span(side.run.method, frame.state.dark)} map {number}"
+                parts.append(heatmap_html(maps, number, side.map_order, title, frame.state.inspected))
     return "".join(parts)
+
+
+def _compared_numbers(side: SideFrame) -> set[int]:
+    """Of the maps that are compared, those that a method has, and its last."""
+    count = 0 if side.run.maps is None else len(side.run.maps.maps)
+    return {min(number, count) for number in COMPARED} - {0}
 
 
 def heatmap_html(maps: Maps, number: int, order: np.ndarray, title: str, marked: int = NO_POINT) -> str:
