@@ -32,7 +32,7 @@ class HistogramsTab:
         self._charts = [_HistogramChart(gui, height) for _ in range(2)]
 
     def renew(self) -> None:
-        """Make both charts anew when they are drawn next: made before the page has its size, they may lack their axes."""
+        """Make both charts anew when they are drawn next: made before the page has its size, they may lack axes."""
         for chart in self._charts:
             chart.renew()
 
