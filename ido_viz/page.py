@@ -8,6 +8,7 @@ import viser
 
 from ido_viz.canvas.canvas import Canvas
 from ido_viz.core.actions import Actions
+from ido_viz.core.address import fragment_of
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
@@ -36,15 +37,19 @@ class Page:
         library: shapes and methods on offer.
         state: what the page begins with.
         actions: what they do.
+        step: of a lesson, that the page begins with; empty for none.
     """
 
-    def __init__(self, client: viser.ClientHandle, library: Library, state: State, actions: Actions) -> None:
+    def __init__(
+        self, client: viser.ClientHandle, library: Library, state: State, actions: Actions, step: str = ""
+    ) -> None:
         gui = client.gui
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
         self._gui = gui
         self._controls = Controls(client, library, state, actions)
-        lessons = LessonFolder(gui, actions.open_page, state, order=-1)  # on top, so that the charts stay in sight
+        # on top, so that the charts stay in sight
+        self._lessons = LessonFolder(gui, actions.open_page, state, order=-1, step=step)
         presets = PresetFolder(gui, actions.open_page, FOLDER_ORDER["presets"])
         downloads = DownloadFolder(client, actions.shown, FOLDER_ORDER["download"])
         upper = gui.add_panel(order=0)
@@ -70,7 +75,7 @@ class Page:
             self._inspect = InspectTab(gui, state, actions.inspect)
         self._placing = Placing(gui, upper, lower)
         self._parts: dict[Part, list[Any]] = {part: [handle] for part, handle in self._controls.parts.items()}
-        self._parts |= {"lessons": [lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
+        self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
         self._parts["scores"] += telling
         self._canvas = Canvas(client, actions.click)
         self._dark: bool | None = None
@@ -84,8 +89,16 @@ class Page:
         self._controls.show(state)
 
     def show_iteration(self, frame: Frame) -> None:
-        """Write the iteration, and, when nothing plays, the code."""
+        """Write the iteration."""
         self._controls.show_iteration(frame)
+
+    def share(self, state: State) -> None:
+        """Write the code and the address of a state."""
+        self._controls.share(state, self._lessons.step)
+
+    def fragment(self, state: State) -> str:
+        """What follows # in the address of a state."""
+        return fragment_of(state, self._lessons.step)
 
     def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
         """Draw a frame; `may_cancel` offers to cancel slow methods."""

@@ -39,10 +39,22 @@ _log = logging.getLogger(__name__)
 
 
 class Session:
-    """Serves one tab from `start` until `close`."""
+    """Serves one tab from `start` until `close`.
 
-    def __init__(self, client: viser.ClientHandle, library: Library, state: State) -> None:
+    Args:
+        client: the tab.
+        library: shapes and methods on offer.
+        state: what it begins with.
+        address: of its page, without the fragment.
+        step: of a lesson, that it begins with; empty for none.
+    """
+
+    def __init__(
+        self, client: viser.ClientHandle, library: Library, state: State, address: str = "", step: str = ""
+    ) -> None:
         self._client = client
+        self._address = address
+        self._lesson_step = step
         self._library = library
         self._awake = threading.Condition()
         self._state = state
@@ -163,6 +175,7 @@ class Session:
             state = self._library.checked(decode(code))
         except StateError as error:
             self._tell("This code cannot be used", str(error))
+            self._wake()  # brings the page's own code back
             return
 
         self._open_page(state, whole=True)
@@ -178,6 +191,13 @@ class Session:
             return replace(state, dark=now.dark, large_text=now.large_text, hidden=now.hidden)
 
         self._change(begin, show=True)
+
+    def _link(self) -> str:
+        with self._awake:
+            if self._page is None:
+                return self._address
+            self._read()  # a tick may be told of later than the click
+            return f"{self._address}#{self._page.fragment(self._state)}"
 
     def _shown(self, state: State) -> int:
         """The iteration that a state shows."""
@@ -200,6 +220,7 @@ class Session:
             new_seed=self._new_seed,
             paper_defaults=self._paper_defaults,
             apply_code=self._apply_code,
+            link=self._link,
             cancel=self._live.cancel,
             compare=self._compare,
             cancel_comparison=self._comparison.cancel,
@@ -216,7 +237,7 @@ class Session:
     def _serve(self) -> None:
         try:
             with self._client.atomic():
-                page = Page(self._client, self._library, self._state, self._actions())
+                page = Page(self._client, self._library, self._state, self._actions(), self._lesson_step)
         except Exception as error:  # without a page there is nothing to serve, but a person must hear of it
             _log.exception("page failed")
             self._give_up(error)
@@ -232,6 +253,7 @@ class Session:
             try:
                 with self._awake:
                     state, show = self._take()
+                page.share(state)  # before what may take long to compute
                 self._frame(page, state, show)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))

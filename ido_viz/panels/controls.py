@@ -247,10 +247,12 @@ class Controls:
             slider.max = most
 
     def show_iteration(self, frame: Frame) -> None:
-        """Write the iteration, and, when nothing plays, the code."""
+        """Write the iteration."""
         self._playback.show_iteration(frame)
-        if not frame.state.playing:
-            self._share.show_code(frame.state)
+
+    def share(self, state: State, step: str) -> None:
+        """Write the code and the address of a state, and of the step of a lesson that is read."""
+        self._share.share(state, step)
 
 
 def _widget_values(state: State) -> dict[str, Any]:

@@ -1,13 +1,17 @@
-"""The page as a short code, and what a lecturer takes off it."""
+"""The page as a link and as a short code, and what a lecturer takes off it."""
 
 from __future__ import annotations
 
+import html
+import uuid
 from collections.abc import Callable
 from typing import Any, get_args
 
+import segno
 import viser
 
 from ido_viz.core.actions import Actions, plain
+from ido_viz.core.address import fragment_of, opens_elsewhere, shared
 from ido_viz.core.state import Part, State, encode
 from ido_viz.panels.markup import caption
 
@@ -30,8 +34,38 @@ _PARTS: dict[Part, str] = {
 }
 
 
+_ONLY_HERE = (
+    "Only this machine can open this page. To let a class in, start the explorer with "
+    "<code>ido-viz --host 0.0.0.0</code>; then the code to scan appears here."
+)
+
+
+class AddressBar:
+    """What the script in the page reads, `ido_viz/serving/address.js`: the address's fragment, and what to copy."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._element = gui.add_html("")
+        self._fragment = self._link = self._copy = ""
+
+    def show(self, fragment: str) -> None:
+        """Make it the fragment of the browser's address."""
+        if fragment != self._fragment:
+            self._fragment = fragment
+            self._write()
+
+    def copy(self, link: str) -> None:
+        """Put a link into the browser's clipboard."""
+        self._link, self._copy = link, uuid.uuid4().hex
+        self._write()
+
+    def _write(self) -> None:
+        data = {"fragment": self._fragment, "link": self._link, "copy": self._copy}
+        attributes = " ".join(f'data-{name}="{html.escape(value)}"' for name, value in data.items())
+        self._element.content = f"<span hidden {attributes}></span>"
+
+
 class ShareFolder:
-    """The code of the page, and a box for each part that can be hidden.
+    """The link and the code of the page, and a box for each part that can be hidden.
 
     Args:
         gui: where they are placed.
@@ -49,11 +83,19 @@ class ShareFolder:
         changed: Callable[[viser.GuiEvent[Any]], None],
         order: float,
     ) -> None:
+        self._gui = gui
+        self._actions = actions
         self._hidden: dict[Part, viser.GuiCheckboxHandle] = {}
+        self._written: str | None = None
+        self._address = AddressBar(gui)  # outside the folder, which may be hidden
         self.folder = gui.add_folder("Share", order=order)
         with self.folder:
+            ways = {"Copy link": self._copy_link, "QR code": self._show_qr}
+            gui.add_button_group(
+                "Page", tuple(ways), hint="The link opens exactly this page, as does the address of the browser."
+            ).on_click(lambda event: ways[event.target.value](event))
             self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
-            self._code.on_update(lambda event: actions.apply_code(event.target.value) if event.client else None)
+            self._code.on_update(self._pasted)
             with gui.add_folder("For a class"):
                 gui.add_html(_HIDING)
                 for part in get_args(Part):
@@ -73,8 +115,32 @@ class ShareFolder:
             if box.value != (part in state.hidden):
                 box.value = part in state.hidden
 
-    def show_code(self, state: State) -> None:
-        """Write a state's code."""
-        code = encode(state)
-        if self._code.value != code:
-            self._code.value = code
+    def share(self, state: State, step: str) -> None:
+        """Write a state's code, and make it, with the step of a lesson that is read, the page's address."""
+        self._address.show(fragment_of(state, step))
+        code = encode(shared(state))
+        if code != self._written:
+            self._written = self._code.value = code
+
+    def _pasted(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None and event.target.value.strip():  # else it was cleared, to paste another
+            self._written = None  # whatever becomes of it, the page's own code comes back
+            self._actions.apply_code(event.target.value)
+
+    def _copy_link(self, event: viser.GuiEvent[Any]) -> None:
+        link = self._actions.link()
+        self._address.copy(link)
+        if event.client is not None:
+            event.client.add_notification("Link copied", link, auto_close_seconds=8.0)
+
+    def _show_qr(self, _: viser.GuiEvent[Any]) -> None:
+        link = self._actions.link()
+        with self._gui.add_modal("QR code of this page" if opens_elsewhere(link) else "No QR code yet") as window:
+            self._gui.add_html(qr_html(link) if opens_elsewhere(link) else caption(_ONLY_HERE))
+            self._gui.add_button("Close").on_click(plain(window.close))
+
+
+def qr_html(link: str) -> str:
+    """A link to be scanned from across a room, and to be read."""
+    drawn = segno.make_qr(link, error="l").svg_inline(border=4, dark="#000", light="#fff", omitsize=True)
+    return f'{drawn}<div style="overflow-wrap:anywhere;font-size:0.75rem;margin:4px 8px">{html.escape(link)}</div>'

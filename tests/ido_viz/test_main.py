@@ -7,7 +7,7 @@ import webbrowser
 
 import pytest
 
-from ido_viz import __main__ as command
+from ido_viz import command
 
 
 def test_ctrl_c_while_the_browser_is_opened_ends_it_quietly(monkeypatch: pytest.MonkeyPatch):
@@ -17,4 +17,4 @@ def test_ctrl_c_while_the_browser_is_opened_ends_it_quietly(monkeypatch: pytest.
     monkeypatch.setattr(webbrowser, "open", interrupted)
     monkeypatch.setattr(command, "warm_up", lambda *_: None)
     monkeypatch.setattr(sys, "argv", ["ido-viz", "--port", "18081"])
-    assert command.main() == 0
+    assert command.run() == 0
