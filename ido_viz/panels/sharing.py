@@ -16,7 +16,7 @@ from ido_viz.core.state import Part, State, encode
 from ido_viz.panels.markup import caption
 
 _HIDING = caption(
-    "What is ticked disappears for whoever opens the code above. <i>Show all parts</i>, in the menu of commands at the "
+    "What is ticked disappears for whoever opens the link or the code. <i>Show all parts</i>, in the menu of commands at the "
     "top, brings it back."
 )
 _PARTS: dict[Part, str] = {
@@ -36,7 +36,7 @@ _PARTS: dict[Part, str] = {
 
 _ONLY_HERE = (
     "Only this machine can open this page. To let a class in, start the explorer with "
-    "<code>ido-viz --host 0.0.0.0</code>; then the code to scan appears here."
+    "`ido-viz --host 0.0.0.0`; then the code to scan appears here."
 )
 
 
@@ -136,7 +136,10 @@ class ShareFolder:
     def _show_qr(self, _: viser.GuiEvent[Any]) -> None:
         link = self._actions.link()
         with self._gui.add_modal("QR code of this page" if opens_elsewhere(link) else "No QR code yet") as window:
-            self._gui.add_html(qr_html(link) if opens_elsewhere(link) else caption(_ONLY_HERE))
+            if opens_elsewhere(link):
+                self._gui.add_html(qr_html(link))
+            else:
+                self._gui.add_markdown(_ONLY_HERE)
             self._gui.add_button("Close").on_click(plain(window.close))
 
 

@@ -3,7 +3,7 @@
 // It stands before viser's own script, which knows nothing of it. Every connection that viser makes tells the server the
 // fragment, in its own address; so a page that is opened, loaded again, or found by a server that was started anew is
 // what its address says. The server writes what the page came to show into an invisible element, and from there it goes
-// back into the address. Another fragment, typed or pasted, is a new connection.
+// back into the address. Another fragment, typed or pasted, is a new connection. While there is none, a banner says so.
 (() => {
   const LONGEST = 2000; // characters; the server says that it is too long when there is one more
   const CALM = 400; // milliseconds; browsers refuse to change an address many times a second
@@ -27,9 +27,23 @@
     return url.href;
   }
 
+  // viser pales the panels while its server is away, but does not say so.
+  const banner = document.createElement("div");
+  banner.setAttribute("role", "status");
+  banner.textContent = "The explorer is not running. This page goes on by itself when it runs again.";
+  banner.style.cssText =
+    "position:fixed;top:12px;left:50%;transform:translateX(-50%);z-index:1000;padding:8px 16px;border-radius:4px;" +
+    "background:#c92a2a;color:#fff;font:0.875rem sans-serif";
+
+  function tell(what) {
+    if (what === "closed") document.body.append(banner);
+    if (what === "connected") banner.remove();
+  }
+
   const post = Worker.prototype.postMessage;
   Worker.prototype.postMessage = function (message, ...rest) {
     if (message?.type !== "set_server" && message?.type !== "retry") return post.call(this, message, ...rest);
+    if (connection !== this) this.addEventListener("message", ({ data }) => tell(data.type));
     connection = this;
     show();
     return post.call(this, { type: "set_server", server: server() });
