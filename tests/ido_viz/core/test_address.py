@@ -43,7 +43,9 @@ def test_whatever_stands_in_a_fragment_survives_it(code: str, step: str):
     assert read_fragment(str(fragment)) == fragment
 
 
-@pytest.mark.parametrize("text", ["ido1-abc", "state", "code=1", "state=a&lesson=b&more=c", "state=%ff", "state=a&state"])
+@pytest.mark.parametrize(
+    "text", ["ido1-abc", "state", "code=1", "state=a&lesson=b&more=c", "state=%ff", "state=a&state"]
+)
 def test_what_is_no_fragment_is_said(text: str):
     with pytest.raises(StateError, match="after # stands state=CODE or lesson=NAME"):
         read_fragment(text)

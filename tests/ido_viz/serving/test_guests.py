@@ -68,8 +68,9 @@ def test_where_there_is_a_token_none_but_it_opens(path: str):
 
 
 @pytest.mark.parametrize(
-    "text", ["example.org", "https://", "ftp://example.org", "https://example.org/", "https://a@b.org", "https://[::1", "*"]
+    "text",
+    ["example.org", "https://", "ftp://example.org", "https://example.org/", "https://a@b.org", "https://[::1", "*"],
 )
 def test_what_is_no_origin_is_said(text: str):
-    with pytest.raises(OriginError, match="looks like https://example.org"):
+    with pytest.raises(OriginError, match="an origin looks like"):
         read_origins([text])

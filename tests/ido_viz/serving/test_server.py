@@ -15,7 +15,8 @@ import pytest
 import viser
 import websockets.asyncio.server
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
+from websockets.sync.connection import Connection
 from websockets.typing import Subprotocol
 
 from ido_viz.app import App
@@ -60,14 +61,14 @@ def open_app() -> Iterator[App]:
     app.stop()
 
 
-def browser(app: App, query: str = "", **settings: Any) -> ClientConnection:
+def browser(app: App, query: str = "", **settings: Any) -> Connection:
     """A connection as a browser makes it, when all others are gone."""
     wait("no other page", lambda: app.n_sessions == 0)
     place = f"ws://127.0.0.1:{app.server.get_port()}/{query}"
     return connect(place, subprotocols=[PROTOCOL], compression=None, max_size=None, **settings)
 
 
-def send(connection: ClientConnection, **message: Any) -> None:
+def send(connection: Connection, **message: Any) -> None:
     connection.send(msgspec.msgpack.encode(message))
 
 
