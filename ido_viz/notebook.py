@@ -43,7 +43,8 @@ class EmbeddedExplorer:
     def _repr_html_(self) -> str:
         url = html.escape(self.url)
         return (
-            f'<iframe src="{url}" title="IDO Explorer" width="100%" height="{self._height}" style="border:0"></iframe>'
+            f'<iframe src="{url}" title="IDO Explorer" width="100%" height="{self._height}" '
+            f'style="border:0" allow="clipboard-write"></iframe>'
             f'<div><a href="{url}" target="_blank">Open in a tab of its own</a></div>'
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import threading
 import uuid
 from collections.abc import Callable
 from typing import Any, get_args
@@ -11,7 +12,7 @@ import segno
 import viser
 
 from ido_viz.core.actions import Actions, plain
-from ido_viz.core.address import fragment_of, opens_elsewhere, shared
+from ido_viz.core.address import Fragment, opens_elsewhere, shared
 from ido_viz.core.state import Part, State, encode
 from ido_viz.panels.markup import caption
 
@@ -45,23 +46,23 @@ class AddressBar:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._element = gui.add_html("")
-        self._fragment = self._link = self._copy = ""
+        self._data = {"fragment": "", "link": "", "copy": ""}
+        self._lock = threading.Lock()  # clicks come on other threads than frames
 
     def show(self, fragment: str) -> None:
         """Make it the fragment of the browser's address."""
-        if fragment != self._fragment:
-            self._fragment = fragment
-            self._write()
+        if fragment != self._data["fragment"]:
+            self._write(fragment=fragment)
 
     def copy(self, link: str) -> None:
         """Put a link into the browser's clipboard."""
-        self._link, self._copy = link, uuid.uuid4().hex
-        self._write()
+        self._write(link=link, copy=uuid.uuid4().hex)  # the same link can be copied again
 
-    def _write(self) -> None:
-        data = {"fragment": self._fragment, "link": self._link, "copy": self._copy}
-        attributes = " ".join(f'data-{name}="{html.escape(value)}"' for name, value in data.items())
-        self._element.content = f"<span hidden {attributes}></span>"
+    def _write(self, **data: str) -> None:
+        with self._lock:
+            self._data |= data
+            attributes = " ".join(f'data-{name}="{html.escape(value)}"' for name, value in self._data.items())
+            self._element.content = f"<span hidden {attributes}></span>"
 
 
 class ShareFolder:
@@ -117,8 +118,8 @@ class ShareFolder:
 
     def share(self, state: State, step: str) -> None:
         """Write a state's code, and make it, with the step of a lesson that is read, the page's address."""
-        self._address.show(fragment_of(state, step))
         code = encode(shared(state))
+        self._address.show(str(Fragment(code, step)))
         if code != self._written:
             self._written = self._code.value = code
 
@@ -140,7 +141,7 @@ class ShareFolder:
                 self._gui.add_html(qr_html(link))
             else:
                 self._gui.add_markdown(_ONLY_HERE)
-            self._gui.add_button("Close").on_click(plain(window.close))
+            self._gui.add_button("Close", hint="Back to the page.").on_click(plain(window.close))
 
 
 def qr_html(link: str) -> str:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import gzip
 import http
+import logging
 import socket
 import threading
 from collections.abc import Awaitable, Callable, Iterator
@@ -31,6 +32,9 @@ from ido_viz.serving.traffic import LARGEST, BoundedConnection
 
 _REQUEST: ContextVar[Request] = ContextVar("request")
 _one_at_a_time = threading.Lock()
+
+_nonsense = logging.getLogger(f"{__name__}.nonsense")
+_nonsense.setLevel(logging.CRITICAL)  # strangers must not be able to fill the terminal with what they send
 
 
 def current_request() -> Request:
@@ -85,7 +89,12 @@ def _our_door(listener: socket.socket, guests: Guests) -> Iterator[threading.Eve
                 return _page(request)
             return serve_file(connection, request)
 
-        ours = {"process_request": answer, "create_connection": BoundedConnection, "max_size": LARGEST}
+        ours = {
+            "process_request": answer,
+            "create_connection": BoundedConnection,
+            "max_size": LARGEST,
+            "logger": _nonsense,
+        }
         return original(handle, sock=listener, **settings | ours)
 
     with _one_at_a_time:
