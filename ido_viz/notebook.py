@@ -81,6 +81,7 @@ def show(
 
     Raises:
         StateError: a value, the code, the lesson or the combination of them cannot be used.
+        ListenError: the port cannot be used.
     """
     if code is not None and lesson is not None:
         raise StateError("give a code or a lesson, not both")

@@ -49,7 +49,7 @@ class Page:
         self._gui = gui
         self._controls = Controls(client, library, state, actions)
         # on top, so that the charts stay in sight
-        self._lessons = LessonFolder(gui, actions.open_page, state, order=-1, step=step)
+        self._lessons = LessonFolder(gui, actions.open_page, state, -1, actions.redraw, step)
         presets = PresetFolder(gui, actions.open_page, FOLDER_ORDER["presets"])
         downloads = DownloadFolder(client, actions.shown, FOLDER_ORDER["download"])
         upper = gui.add_panel(order=0)

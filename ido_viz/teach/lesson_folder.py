@@ -22,6 +22,7 @@ class LessonFolder:
         open_state: opens a page; called on a thread of the server.
         state: what the page begins with; if it is a step's, that step is shown.
         order: place among the page's folders.
+        left: called when no lesson is shown any more.
         step: that is shown, whatever the state; as ``histogram/3``, empty for none.
 
     Raises:
@@ -29,9 +30,16 @@ class LessonFolder:
     """
 
     def __init__(
-        self, gui: viser.GuiApi, open_state: Callable[[State], None], state: State, order: float, step: str = ""
+        self,
+        gui: viser.GuiApi,
+        open_state: Callable[[State], None],
+        state: State,
+        order: float,
+        left: Callable[[], None],
+        step: str = "",
     ) -> None:
         self._open = open_state
+        self._left = left
         self._by_title = {lesson.title: lesson for lesson in lessons()}
         self._at: tuple[Lesson, int] | None = step_named(step) if step else step_of(state)
         self._lock = threading.Lock()  # clicks may come on several threads
@@ -75,7 +83,9 @@ class LessonFolder:
 
     def _go(self) -> None:
         self._show()
-        if self._at is not None:
+        if self._at is None:
+            self._left()
+        else:
             lesson, number = self._at
             self._open(lesson.steps[number].state)
 

@@ -89,6 +89,9 @@ def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(open_
     count.wait_for()
     assert expected is not None
     expect_address(explorer, expected)
+    explorer.choose("Lesson", "Choose a lesson")
+    explorer.wait_until("an address without the lesson", lambda: "lesson=" not in explorer.page.url)
+    assert state_of(explorer) == expected
 
 
 @pytest.mark.parametrize(
