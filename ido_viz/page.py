@@ -14,6 +14,7 @@ from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
 from ido_viz.core.state import Part, State
 from ido_viz.files.downloads import DownloadFolder
+from ido_viz.panels.address_bar import AddressBar
 from ido_viz.panels.compare_tab import CompareTab
 from ido_viz.panels.controls import FOLDER_ORDER, Controls
 from ido_viz.panels.errors_tab import ErrorsTab
@@ -47,6 +48,7 @@ class Page:
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
         self._gui = gui
+        self._address = AddressBar(gui)  # beside all parts, for what is hidden is not there
         self._controls = Controls(client, library, state, actions)
         # on top, so that the charts stay in sight
         self._lessons = LessonFolder(gui, actions.open_page, state, -1, actions.redraw, step)
@@ -93,12 +95,17 @@ class Page:
         self._controls.show_iteration(frame)
 
     def share(self, state: State) -> None:
-        """Write the code and the address of a state."""
-        self._controls.share(state, self._lessons.step)
+        """Write the code of a state, and make the browser's address that of the page."""
+        self._controls.show_code(state)
+        self._address.show(self.fragment(state))
 
     def fragment(self, state: State) -> str:
         """What follows # in the address of a state."""
         return fragment_of(state, self._lessons.step)
+
+    def copy(self, link: str) -> None:
+        """Put a link into the browser's clipboard."""
+        self._address.copy(link)
 
     def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
         """Draw a frame; `may_cancel` offers to cancel slow methods."""

@@ -199,6 +199,12 @@ class Session:
             self._read()  # a tick may be told of later than the click
             return f"{self._address}#{self._page.fragment(self._state)}"
 
+    def _copy_link(self) -> None:
+        if self._page is not None:
+            link = self._link()
+            self._page.copy(link)
+            self._client.add_notification("Link copied", link, auto_close_seconds=8.0)
+
     def _shown(self, state: State) -> int:
         """The iteration that a state shows."""
         return shown_iteration(self._run, state) if self._run else 0
@@ -221,6 +227,7 @@ class Session:
             paper_defaults=self._paper_defaults,
             apply_code=self._apply_code,
             link=self._link,
+            copy_link=self._copy_link,
             cancel=self._live.cancel,
             compare=self._compare,
             cancel_comparison=self._comparison.cancel,

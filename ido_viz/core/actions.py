@@ -25,6 +25,7 @@ class Actions:
     apply_code: Callable[[str], None]
     link: Callable[[], str]
     """Gives the address that opens the page as it is now."""
+    copy_link: Callable[[], None]
     cancel: Callable[[], None]
     compare: Callable[[], None]
     cancel_comparison: Callable[[], None]

@@ -250,9 +250,9 @@ class Controls:
         """Write the iteration."""
         self._playback.show_iteration(frame)
 
-    def share(self, state: State, step: str) -> None:
-        """Write the code and the address of a state, and of the step of a lesson that is read."""
-        self._share.share(state, step)
+    def show_code(self, state: State) -> None:
+        """Write a state's code."""
+        self._share.show_code(state)
 
 
 def _widget_values(state: State) -> dict[str, Any]:

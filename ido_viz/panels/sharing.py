@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import html
-import threading
-import uuid
 from collections.abc import Callable
 from typing import Any, get_args
 
@@ -12,7 +10,7 @@ import segno
 import viser
 
 from ido_viz.core.actions import Actions, plain
-from ido_viz.core.address import Fragment, opens_elsewhere, shared
+from ido_viz.core.address import opens_elsewhere, shared
 from ido_viz.core.state import Part, State, encode
 from ido_viz.panels.markup import caption
 
@@ -41,30 +39,6 @@ _ONLY_HERE = (
 )
 
 
-class AddressBar:
-    """What the script in the page reads, `ido_viz/serving/address.js`: the address's fragment, and what to copy."""
-
-    def __init__(self, gui: viser.GuiApi) -> None:
-        self._element = gui.add_html("")
-        self._data = {"fragment": "", "link": "", "copy": ""}
-        self._lock = threading.Lock()  # clicks come on other threads than frames
-
-    def show(self, fragment: str) -> None:
-        """Make it the fragment of the browser's address."""
-        if fragment != self._data["fragment"]:
-            self._write(fragment=fragment)
-
-    def copy(self, link: str) -> None:
-        """Put a link into the browser's clipboard."""
-        self._write(link=link, copy=uuid.uuid4().hex)  # the same link can be copied again
-
-    def _write(self, **data: str) -> None:
-        with self._lock:
-            self._data |= data
-            attributes = " ".join(f'data-{name}="{html.escape(value)}"' for name, value in self._data.items())
-            self._element.content = f"<span hidden {attributes}></span>"
-
-
 class ShareFolder:
     """The link and the code of the page, and a box for each part that can be hidden.
 
@@ -88,13 +62,12 @@ class ShareFolder:
         self._actions = actions
         self._hidden: dict[Part, viser.GuiCheckboxHandle] = {}
         self._written: str | None = None
-        self._address = AddressBar(gui)  # outside the folder, which may be hidden
         self.folder = gui.add_folder("Share", order=order)
         with self.folder:
-            ways = {"Copy link": self._copy_link, "QR code": self._show_qr}
+            ways = {"Copy link": actions.copy_link, "QR code": self._show_qr}
             gui.add_button_group(
                 "Page", tuple(ways), hint="The link opens exactly this page, as does the address of the browser."
-            ).on_click(lambda event: ways[event.target.value](event))
+            ).on_click(lambda event: ways[event.target.value]())
             self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
             self._code.on_update(self._pasted)
             with gui.add_folder("For a class"):
@@ -116,10 +89,9 @@ class ShareFolder:
             if box.value != (part in state.hidden):
                 box.value = part in state.hidden
 
-    def share(self, state: State, step: str) -> None:
-        """Write a state's code, and make it, with the step of a lesson that is read, the page's address."""
+    def show_code(self, state: State) -> None:
+        """Write a state's code."""
         code = encode(shared(state))
-        self._address.show(str(Fragment(code, step)))
         if code != self._written:
             self._written = self._code.value = code
 
@@ -128,13 +100,7 @@ class ShareFolder:
             self._written = None  # whatever becomes of it, the page's own code comes back
             self._actions.apply_code(event.target.value)
 
-    def _copy_link(self, event: viser.GuiEvent[Any]) -> None:
-        link = self._actions.link()
-        self._address.copy(link)
-        if event.client is not None:
-            event.client.add_notification("Link copied", link, auto_close_seconds=8.0)
-
-    def _show_qr(self, _: viser.GuiEvent[Any]) -> None:
+    def _show_qr(self) -> None:
         link = self._actions.link()
         with self._gui.add_modal("QR code of this page" if opens_elsewhere(link) else "No QR code yet") as window:
             if opens_elsewhere(link):

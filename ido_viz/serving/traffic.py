@@ -19,8 +19,18 @@ RATE = 250
 BURST = 500
 """Messages that are taken at once."""
 
-_USED = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "ScenePointerMessage"})
-"""Kinds of what our pages send; viser acts on more: uploads, forms that it repeats to all, requests for a tunnel."""
+_USED = frozenset(
+    {
+        "ViewerCameraMessage",
+        "GuiUpdateMessage",
+        "CommandTriggerMessage",
+        "ScenePointerMessage",
+        "TransformControlsUpdateMessage",
+        "TransformControlsDragStartMessage",
+        "TransformControlsDragEndMessage",
+    }
+)
+"""Kinds of what our pages may send; viser acts on more: uploads, forms that it repeats to all, requests for a tunnel."""
 
 
 class _Head(msgspec.Struct):

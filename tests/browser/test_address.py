@@ -66,6 +66,14 @@ def test_the_address_follows_in_few_steps(open_explorer: OpenExplorer):
     assert explorer.page.evaluate("window.replaced") - before < 30
 
 
+def test_the_address_is_kept_where_the_share_folder_is_hidden(open_explorer: OpenExplorer):
+    hidden = replace(AT_THE_END, hidden=("share",))
+    explorer = open_explorer(hidden)
+    expect_address(explorer, hidden)
+    explorer.press("First (R)")
+    expect_address(explorer, replace(hidden, iteration=0))
+
+
 def test_another_fragment_in_an_open_page_leads_to_its_page_and_back_to_the_one_before(explorer: Explorer):
     expect_address(explorer, AT_THE_END)
     explorer.page.evaluate("hash => location.hash = hash", f"state={encode(ELSEWHERE)}")
