@@ -11,10 +11,10 @@ from websockets.asyncio.server import ServerConnection
 from websockets.typing import Data
 
 LARGEST = 2**18
-"""Bytes of a message; a page's own are below a thousandth of that, but for what is pasted."""
+"""Bytes of a message; a page that was dragged about sent 223 at most, and what is pasted is longer."""
 
 RATE = 250
-"""Messages a second that are taken in the long run; a page sends less than half of that while it is dragged about."""
+"""Messages a second that are taken in the long run; a page whose camera was dragged about sent 49 at most."""
 
 BURST = 500
 """Messages that are taken at once."""
@@ -30,7 +30,7 @@ _USED = frozenset(
         "TransformControlsDragEndMessage",
     }
 )
-"""Kinds of what our pages may send; viser acts on more: uploads, forms that it repeats to all, requests for a tunnel."""
+"""Kinds that our pages may send; viser acts on more: uploads, forms that it repeats to all, requests for a tunnel."""
 
 
 class _Head(msgspec.Struct):
