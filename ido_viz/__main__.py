@@ -1,108 +1,21 @@
-"""The command `ido-viz`."""
+"""The command `ido-viz`: its parts take seconds to load, and Ctrl-C meanwhile ends it as quietly as later."""
 
 from __future__ import annotations
 
 import sys
-import threading
-import webbrowser
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Annotated
 
-import tyro
-
-from ido import CloudError, MapsError, OwnError
-from ido_viz.app import App
-from ido_viz.core.library import Library, shipped_library
-from ido_viz.core.plugins import QUICK, QUICK_POINTS, classes_of
-from ido_viz.core.run import warm_up
-from ido_viz.core.state import State, StateError, decode
-from ido_viz.teach.content import ContentError
-from ido_viz.teach.lessons import lesson
-
-HISTOGRAM_HELP = (
-    "Histograms of your own. If none of --maps is of it, maps are trained when it is first shown: "
-    f"{QUICK.maps} maps on {QUICK.samples} scenes and {QUICK_POINTS} model points, much less than `ido train` takes."
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """Explore how DO and Improved DO register a perturbed point cloud, step by step, in the browser."""
-
-    shape: str | None = None
-    """Shape to begin with: bunny or urban."""
-    cloud: Path | None = None
-    """A cloud of your own to register; needs --maps, or a method or histogram of your own."""
-    maps: tuple[Path, ...] = ()
-    """Maps that `ido train` made of that cloud; the first two are shown."""
-    method: Annotated[tuple[str, ...], tyro.conf.arg(metavar="MODULE:CLASS ...")] = ()
-    """Methods of your own, as module:Class or path/to/file.py:Class; the first is shown. See the README."""
-    histogram: Annotated[tuple[str, ...], tyro.conf.arg(metavar="MODULE:CLASS ...", help=HISTOGRAM_HELP)] = ()
-    state: str | None = None
-    """Code of the state to begin with, copied from the page's Share box."""
-    lesson: str | None = None
-    """Lesson to begin with; a wrong name lists them all."""
-    host: str = "127.0.0.1"
-    """Address to listen on; 0.0.0.0 lets other machines in."""
-    port: Annotated[int, tyro.conf.arg(metavar="PORT")] = 8080
-    """Port to listen on; if it is busy, the next free one is taken and printed."""
-    open: bool = True
-    """Open the page in a browser."""
+INTERRUPTED = 130
+"""What shells expect of a command that Ctrl-C ended."""
 
 
 def main() -> int:
     """Run the explorer until Ctrl-C."""
-    options = tyro.cli(Options, prog="ido-viz")
     try:
-        library, state = start(options)
-        app = App(state, library=library, host=options.host, port=options.port)
-    except (StateError, ContentError, CloudError, MapsError, OwnError, OSError, OverflowError) as error:
-        print(f"ido-viz: {error}", file=sys.stderr)
-        return 2
-    try:
-        print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)
-        # compiles on the very first start, and loads clouds and maps, while the browser loads the page
-        threading.Thread(target=warm_up, args=(state, library), daemon=True).start()
-        if options.open:
-            webbrowser.open(app.url)
-        app.server.sleep_forever()
+        from ido_viz.command import run
+
+        return run()
     except KeyboardInterrupt:
-        app.stop()
-    return 0
-
-
-def start(options: Options) -> tuple[Library, State]:
-    """What is on offer, and the state that new tabs begin with.
-
-    Raises:
-        StateError: the code, the shape or the combination of options cannot be used.
-        CloudError: the cloud cannot be used.
-        MapsError: a maps file cannot be used.
-        OwnError: a method or histogram of one's own is not named as it must be.
-    """
-    library = shipped_library()
-    if options.lesson and (options.state or options.shape or options.cloud or options.maps):
-        raise StateError("give --lesson without --state, --shape, --cloud and --maps")
-    state = lesson(options.lesson).steps[0].state if options.lesson else State()
-    state = decode(options.state) if options.state else state
-    if (options.maps and options.cloud is None) or (
-        options.cloud and not (options.maps or options.method or options.histogram)
-    ):
-        raise StateError("give --cloud and --maps together; make maps with `ido train CLOUD -o FILE`")
-    taken = {name for shape in library.subjects for name in library.methods(shape)}
-    classes = classes_of(options.method, options.histogram, taken | {path.stem for path in options.maps})
-    shape = options.shape
-    if options.cloud is not None:
-        library, own_shape = library.with_own(options.cloud, options.maps, classes)
-        shape = shape or own_shape
-    library = library.with_methods(classes)
-    if shape is not None and shape != state.shape:
-        state = library.at_shape(state, shape)
-    own = library.subject(state.shape).own
-    if own and not (options.state or options.lesson):
-        state = replace(state, left=next(iter(own)))
-    return library, library.checked(state)
+        return INTERRUPTED
 
 
 if __name__ == "__main__":

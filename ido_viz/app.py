@@ -2,31 +2,46 @@
 
 from __future__ import annotations
 
+import secrets
+import socket
 import threading
+from collections.abc import Collection
+from urllib.parse import parse_qs, urlsplit
 
 import viser
+from websockets.http11 import Request
 
 from ido.console import hush
+from ido_viz.core.address import read_fragment
 from ido_viz.core.library import Library, shipped_library
-from ido_viz.core.state import State
+from ido_viz.core.state import State, StateError, decode
+from ido_viz.serving.guests import Guests, read_origins
+from ido_viz.serving.listening import authority, is_open, listen
+from ido_viz.serving.server import current_request, start
 from ido_viz.session import Session
 from ido_viz.teach.derivations import derivations
-from ido_viz.teach.lessons import lessons
+from ido_viz.teach.lessons import lessons, step_named
 from ido_viz.teach.presets import presets
+
+_TOKEN_BYTES = 12
 
 
 class App:
     """A running explorer.
 
     Args:
-        state: what a new tab shows.
+        state: what a new tab shows, if its address does not say.
         library: the shapes and methods on offer; the shipped ones unless given.
         host: address to listen on.
-        port: port to listen on; a busy one moves on to the next free one.
+        port: port to listen on; 0 for any free one, None for the first free one from 8080 on.
+        token: whether an address that other machines can open has a token, without which nobody is answered.
+        origins: from where else a page of ours may come, as ``https://example.org`` of a proxy.
 
     Raises:
         StateError: the state's shape or methods are not in the library.
         ContentError: a lesson, preset or derivation has a mistake.
+        ListenError: the host or the port cannot be used.
+        OriginError: an origin is not one.
     """
 
     def __init__(
@@ -35,26 +50,36 @@ class App:
         *,
         library: Library | None = None,
         host: str = "127.0.0.1",
-        port: int = 8080,
+        port: int | None = None,
+        token: bool = True,
+        origins: Collection[str] = (),
     ) -> None:
         self._library = library or shipped_library()
         self._state = self._library.checked(state or State())
         for load in (lessons, presets, derivations):
             load()  # a mistake in one is said here, not when a tab is opened
+        its_origins = read_origins(origins)
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
+        listener = listen(host, port)
+        self.is_open = is_open(listener)
+        """Whether other machines can connect."""
+        self._address = f"http://{authority(listener, host)}"
+        its_token = secrets.token_urlsafe(_TOKEN_BYTES) if self.is_open and token else None
+        self._query = f"/?token={its_token}" if its_token else ""
+        machine = socket.gethostname().lower()
+        names = {machine, f"{machine}.local"} if self.is_open else set[str]()
+        self._guests = Guests(frozenset({host.lower()} | names), its_origins, its_token)
         with hush():  # the command prints the address itself
-            self.server = viser.ViserServer(host=host, port=port, label="IDO Explorer", verbose=False)
+            self.server = start(listener, self._guests, "IDO Explorer")
         self.server.scene.world_axes.visible = False
         self.server.on_client_connect(self._open)
         self.server.on_client_disconnect(self._close)
 
     @property
     def url(self) -> str:
-        """Where the page really is."""
-        host = self.server.get_host()
-        shown = "127.0.0.1" if host in ("0.0.0.0", "::", "") else host
-        return f"http://{shown}:{self.server.get_port()}"
+        """Where the page really is, for those who may open it."""
+        return self._address + self._query
 
     @property
     def n_sessions(self) -> int:
@@ -71,13 +96,38 @@ class App:
         with hush():
             self.server.stop()
 
-    def _open(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self._library, self._state)
+    async def _open(self, client: viser.ClientHandle) -> None:
+        request = current_request()
+        state, step, complaint = self._asked(request)
+        session = Session(client, self._library, state, self._shown_address(request), step)
         with self._lock:
             if client.client_id not in self.server.get_clients():  # gone again already
                 return
             self._sessions[client.client_id] = session
         session.start()
+        if complaint:
+            client.add_notification("This address cannot be used", complaint, color="red", auto_close_seconds=8.0)
+
+    def _asked(self, request: Request) -> tuple[State, str, str]:
+        """The state and the lesson's step that a page's address asks for, and what is wrong with it, if anything."""
+        text = parse_qs(urlsplit(request.path).query).get("fragment", [""])[0]
+        try:
+            fragment = read_fragment(text)
+            state = self._state
+            if fragment.step:
+                lesson, number = step_named(fragment.step)
+                state = lesson.steps[number].state
+            if fragment.code:
+                state = decode(fragment.code)
+            return self._library.checked(state), fragment.step, ""
+        except StateError as error:
+            return self._state, "", str(error)
+
+    def _shown_address(self, request: Request) -> str:
+        """The address of a page without its fragment, as others can open it, or else as its own browser did."""
+        origin = request.headers.get("Origin")
+        through = origin if origin and (not self.is_open or origin.lower() in self._guests.origins) else self._address
+        return through + (self._query or "/")
 
     def _close(self, client: viser.ClientHandle) -> None:
         with self._lock:

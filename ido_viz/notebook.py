@@ -43,7 +43,8 @@ class EmbeddedExplorer:
     def _repr_html_(self) -> str:
         url = html.escape(self.url)
         return (
-            f'<iframe src="{url}" title="IDO Explorer" width="100%" height="{self._height}" style="border:0"></iframe>'
+            f'<iframe src="{url}" title="IDO Explorer" width="100%" height="{self._height}" '
+            f'style="border:0" allow="clipboard-write"></iframe>'
             f'<div><a href="{url}" target="_blank">Open in a tab of its own</a></div>'
         )
 
@@ -80,6 +81,7 @@ def show(
 
     Raises:
         StateError: a value, the code, the lesson or the combination of them cannot be used.
+        ListenError: the port cannot be used.
     """
     if code is not None and lesson is not None:
         raise StateError("give a code or a lesson, not both")

@@ -6,11 +6,13 @@ import viser
 
 from ido_viz.canvas.canvas import Canvas
 from ido_viz.core.actions import Actions
+from ido_viz.core.address import fragment_of
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
 from ido_viz.core.state import State
 from ido_viz.files.downloads import DownloadFolder
+from ido_viz.panels.address_bar import AddressBar
 from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
 from ido_viz.panels.controls import Controls
@@ -38,18 +40,22 @@ class Page:
         library: shapes and methods on offer.
         state: what the page begins with.
         actions: what they do.
+        step: of a lesson, that the page begins with; empty for none.
     """
 
-    def __init__(self, client: viser.ClientHandle, library: Library, state: State, actions: Actions) -> None:
+    def __init__(
+        self, client: viser.ClientHandle, library: Library, state: State, actions: Actions, step: str = ""
+    ) -> None:
         gui = client.gui
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
         self._gui = gui
+        self._address = AddressBar(gui)  # beside all parts, for what is hidden is not there
         self._captions = Captions(gui)
         self._inside = InsidePanel(gui)
         self._controls = Controls(client, library, state, actions)
         with self._controls.tabs["Learn"]:
-            lessons = LessonFolder(gui, actions.open_page, state)
+            self._lessons = LessonFolder(gui, actions.open_page, state, actions.redraw, step)
             presets = PresetFolder(gui, actions.open_page)
         with self._controls.tabs["Share"]:
             downloads = DownloadFolder(client, actions.shown)
@@ -76,7 +82,7 @@ class Page:
             self._inspect = InspectTab(gui, state, actions.inspect)
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
-        self._parts |= {"lessons": [lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
+        self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
         self._parts["scores"] += telling
         self._canvas = Canvas(client, actions)
         self._dark: bool | None = None
@@ -90,8 +96,21 @@ class Page:
         self._controls.show(state)
 
     def show_iteration(self, frame: Frame) -> None:
-        """Write the iteration, and, when nothing plays, the code."""
+        """Write the iteration."""
         self._controls.show_iteration(frame)
+
+    def share(self, state: State) -> None:
+        """Write the code of a state, and make the browser's address that of the page."""
+        self._controls.show_code(state)
+        self._address.show(self.fragment(state))
+
+    def fragment(self, state: State) -> str:
+        """What follows # in the address of a state."""
+        return fragment_of(state, self._lessons.step)
+
+    def copy(self, link: str) -> None:
+        """Put a link into the browser's clipboard."""
+        self._address.copy(link)
 
     def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
         """Draw a frame; `may_cancel` offers to cancel slow methods."""

@@ -56,10 +56,22 @@ _log = logging.getLogger(__name__)
 
 
 class Session:
-    """Serves one tab from `start` until `close`."""
+    """Serves one tab from `start` until `close`.
 
-    def __init__(self, client: viser.ClientHandle, library: Library, state: State) -> None:
+    Args:
+        client: the tab.
+        library: shapes and methods on offer.
+        state: what it begins with.
+        address: of its page, without the fragment.
+        step: of a lesson, that it begins with; empty for none.
+    """
+
+    def __init__(
+        self, client: viser.ClientHandle, library: Library, state: State, address: str = "", step: str = ""
+    ) -> None:
         self._client = client
+        self._address = address
+        self._lesson_step = step
         self._library = library
         self._awake = threading.Condition()
         self._state = state
@@ -165,8 +177,9 @@ class Session:
             self._change(lambda state: replace(state, start=start), show=True, replays_after=wait)
 
     def _look(self, camera: tuple[float, ...]) -> None:
-        with self._awake:  # nothing but the code has to be written anew, which the next frame does
+        with self._awake:  # asks for no frame: nothing but the address has to be written anew
             self._state = replace(self._state, camera=camera)
+            self._awake.notify()
 
     def _seen(self) -> None:
         with self._awake:
@@ -257,6 +270,7 @@ class Session:
             state = self._library.checked(decode(code))
         except StateError as error:
             self._tell("This code cannot be used", str(error))
+            self._wake()  # brings the page's own code back
             return
 
         self._open_page(state, whole=True)
@@ -272,6 +286,19 @@ class Session:
             return replace(state, dark=now.dark, large_text=now.large_text, hidden=now.hidden)
 
         self._change(begin, show=True)
+
+    def _link(self) -> str:
+        with self._awake:
+            if self._page is None:
+                return self._address
+            self._read()  # a tick may be told of later than the click
+            return f"{self._address}#{self._page.fragment(self._state)}"
+
+    def _copy_link(self) -> None:
+        if self._page is not None:
+            link = self._link()
+            self._page.copy(link)
+            self._client.add_notification("Link copied", link, auto_close_seconds=8.0)
 
     def _shown(self, state: State) -> int:
         """The iteration that a state shows."""
@@ -294,6 +321,8 @@ class Session:
             new_seed=self._new_seed,
             paper_defaults=self._paper_defaults,
             apply_code=self._apply_code,
+            link=self._link,
+            copy_link=self._copy_link,
             cancel=self._live.cancel,
             compare=self._compare,
             cancel_comparison=self._comparison.cancel,
@@ -318,7 +347,7 @@ class Session:
     def _serve(self) -> None:
         try:
             with self._client.atomic():
-                page = Page(self._client, self._library, self._state, self._actions())
+                page = Page(self._client, self._library, self._state, self._actions(), self._lesson_step)
         except Exception as error:  # without a page there is nothing to serve, but a person must hear of it
             _log.exception("page failed")
             self._give_up(error)
@@ -334,6 +363,7 @@ class Session:
             try:
                 with self._awake:
                     state, show, asked = self._take()
+                page.share(state)  # before what may take long to compute
                 self._frame(page, state, show, asked)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))
@@ -401,6 +431,8 @@ class Session:
                 self._first_look = True
         held = self._in_hand and state.playing and self._clock.waits
         drawn = self._drawn
+        if drawn and not asked and drawn.run is run and replace(drawn.state, camera=state.camera) == state:
+            self._drawn = drawn = replace(drawn, state=state)  # a person looks from elsewhere, which the page knows
         if drawn and not asked and (drawn.run, drawn.state, drawn.held) == (run, state, held):
             if state.playing and not held:  # nothing but the poses moves, on the way to the next iteration
                 with self._client.atomic():

@@ -12,7 +12,7 @@ import tyro
 
 from ido import cli, load_run, score
 from ido.methods import LEARNED
-from ido_viz.__main__ import Options, start
+from ido_viz.command import Options, start
 from ido_viz.core.frame import frame_of
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute, make_scene, register_side

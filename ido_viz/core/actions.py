@@ -25,6 +25,9 @@ class Actions:
     new_seed: Callable[[], None]
     paper_defaults: Callable[[], None]
     apply_code: Callable[[str], None]
+    link: Callable[[], str]
+    """Gives the address that opens the page as it is now."""
+    copy_link: Callable[[], None]
     cancel: Callable[[], None]
     compare: Callable[[], None]
     cancel_comparison: Callable[[], None]

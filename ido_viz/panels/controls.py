@@ -271,10 +271,12 @@ class Controls:
             slider.max = most
 
     def show_iteration(self, frame: Frame) -> None:
-        """Write the iteration, and, when nothing plays, the code."""
+        """Write the iteration."""
         self._playback.show_iteration(frame)
-        if not frame.state.playing:
-            self._share.show_code(frame.state)
+
+    def show_code(self, state: State) -> None:
+        """Write a state's code."""
+        self._share.show_code(state)
 
 
 def _start(value: dict[str, Any], state: State) -> tuple[dict[str, Any], tuple[float, ...]]:

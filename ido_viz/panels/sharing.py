@@ -1,19 +1,22 @@
-"""The page as a short code, and what a lecturer takes off it."""
+"""The page as a link and as a short code, and what a lecturer takes off it."""
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable
 from typing import Any, get_args
 
+import segno
 import viser
 
 from ido_viz.core.actions import Actions, plain
+from ido_viz.core.address import opens_elsewhere, shared
 from ido_viz.core.state import Part, State, encode
 from ido_viz.panels.markup import caption
 
 _HIDING = caption(
-    "What is ticked disappears for whoever opens the code above. <i>Show all parts</i>, in the menu of commands at the "
-    "top, brings it back."
+    "What is ticked disappears for whoever opens the link or the code. <i>Show all parts</i>, in the menu of commands "
+    "at the top, brings it back."
 )
 _PARTS: dict[Part, str] = {
     "lessons": "The menu of lessons.",
@@ -30,8 +33,14 @@ _PARTS: dict[Part, str] = {
 }
 
 
+_ONLY_HERE = (
+    "Only this machine can open this page. To let a class in, start the explorer with "
+    "`ido-viz --host 0.0.0.0`; then the code to scan appears here."
+)
+
+
 class ShareFolder:
-    """The code of the page, and a box for each part that can be hidden.
+    """The link and the code of the page, and a box for each part that can be hidden.
 
     Args:
         gui: where they are placed.
@@ -47,9 +56,16 @@ class ShareFolder:
         actions: Actions,
         changed: Callable[[viser.GuiEvent[Any]], None],
     ) -> None:
+        self._gui = gui
+        self._actions = actions
         self._hidden: dict[Part, viser.GuiCheckboxHandle] = {}
+        self._written: str | None = None
+        ways = {"Copy link": actions.copy_link, "QR code": self._show_qr}
+        gui.add_button_group(
+            "Page", tuple(ways), hint="The link opens exactly this page, as does the address of the browser."
+        ).on_click(lambda event: ways[event.target.value]())
         self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
-        self._code.on_update(lambda event: actions.apply_code(event.target.value) if event.client else None)
+        self._code.on_update(self._pasted)
         with gui.add_folder("For a class"):
             gui.add_html(_HIDING)
             for part in get_args(Part):
@@ -71,6 +87,26 @@ class ShareFolder:
 
     def show_code(self, state: State) -> None:
         """Write a state's code."""
-        code = encode(state)
-        if self._code.value != code:
-            self._code.value = code
+        code = encode(shared(state))
+        if code != self._written:
+            self._written = self._code.value = code
+
+    def _pasted(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None and event.target.value.strip():  # else it was cleared, to paste another
+            self._written = None  # whatever becomes of it, the page's own code comes back
+            self._actions.apply_code(event.target.value)
+
+    def _show_qr(self) -> None:
+        link = self._actions.link()
+        with self._gui.add_modal("QR code of this page" if opens_elsewhere(link) else "No QR code yet") as window:
+            if opens_elsewhere(link):
+                self._gui.add_html(qr_html(link))
+            else:
+                self._gui.add_markdown(_ONLY_HERE)
+            self._gui.add_button("Close", hint="Back to the page.").on_click(plain(window.close))
+
+
+def qr_html(link: str) -> str:
+    """A link to be scanned from across a room, and to be read."""
+    drawn = segno.make_qr(link, error="l").svg_inline(border=4, dark="#000", light="#fff", omitsize=True)
+    return f'{drawn}<div style="overflow-wrap:anywhere;font-size:0.75rem;margin:4px 8px">{html.escape(link)}</div>'

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import viser
 
 from ido_viz.core.state import State
-from ido_viz.teach.lessons import Lesson, lessons, step_of
+from ido_viz.teach.lessons import Lesson, lessons, step_named, step_of
 
 NONE = "Choose a lesson"
 _INVITATION = "Each lesson opens a few prepared pages, one after the other, and says what to look at and to try there."
@@ -21,12 +21,25 @@ class LessonFolder:
         gui: where its widgets are placed.
         open_state: opens a page; called on a thread of the server.
         state: what the page begins with; if it is a step's, that step is shown.
+        left: called when no lesson is shown any more.
+        step: that is shown, whatever the state; as ``histogram/3``, empty for none.
+
+    Raises:
+        StateError: there is no such step.
     """
 
-    def __init__(self, gui: viser.GuiApi, open_state: Callable[[State], None], state: State) -> None:
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        open_state: Callable[[State], None],
+        state: State,
+        left: Callable[[], None],
+        step: str = "",
+    ) -> None:
         self._open = open_state
+        self._left = left
         self._by_title = {lesson.title: lesson for lesson in lessons()}
-        self._at: tuple[Lesson, int] | None = step_of(state)
+        self._at: tuple[Lesson, int] | None = step_named(step) if step else step_of(state)
         self._lock = threading.Lock()  # clicks may come on several threads
         self.folder = gui.add_folder("Lessons")
         with self.folder:
@@ -46,6 +59,12 @@ class LessonFolder:
         self._buttons.on_click(lambda event: self._move(moves[event.target.value]))
         self._show()
 
+    @property
+    def step(self) -> str:
+        """The step that is shown, as ``histogram/3``; empty for none."""
+        at = self._at
+        return f"{at[0].name}/{at[1] + 1}" if at else ""
+
     def _choose(self, title: str) -> None:
         with self._lock:
             self._at = (self._by_title[title], 0) if title in self._by_title else None
@@ -62,7 +81,9 @@ class LessonFolder:
 
     def _go(self) -> None:
         self._show()
-        if self._at is not None:
+        if self._at is None:
+            self._left()
+        else:
             lesson, number = self._at
             self._open(lesson.steps[number].state)
 

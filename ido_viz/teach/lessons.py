@@ -113,6 +113,20 @@ def lesson(name: str) -> Lesson:
     raise StateError(f"unknown lesson {name!r}; known: {', '.join(each.name for each in lessons())}")
 
 
+def step_named(name: str) -> tuple[Lesson, int]:
+    """A lesson, and the number from 0 of its step, by a name as ``histogram`` or ``histogram/3``, which counts from 1.
+
+    Raises:
+        StateError: there is no such lesson, or no such step of it.
+    """
+    its_name, _, number = name.partition("/")
+    found = lesson(its_name)
+    steps = {"": 0} | {str(index + 1): index for index in range(len(found.steps))}
+    if number not in steps:
+        raise StateError(f"lesson {its_name!r} has steps 1 to {len(found.steps)}, not {number!r}")
+    return found, steps[number]
+
+
 def step_of(state: State) -> tuple[Lesson, int] | None:
     """The lesson, and the number from 0 of its step, that a state is the page of.
 

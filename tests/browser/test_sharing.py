@@ -40,15 +40,15 @@ def test_a_pasted_code_gives_exactly_its_page_and_one_can_go_on_from_there(explo
 
 
 def test_broken_codes_are_refused_with_a_message_and_the_page_goes_on(explorer: Explorer):
-    before = explorer.state()
+    before, its_code = explorer.state(), explorer.code()
     for code in (encode(ELSEWHERE)[:-6], encode(State(left="ICP")), "<img src=x onerror=alert(1)>"):
         explorer.paste(code)
         explorer.wait_until("a message", explorer.notifications)
         assert "This code cannot be used" in explorer.notifications()[0]
+        explorer.wait_until("the page's own code again", lambda: explorer.code() == its_code)
         explorer.close_notifications()
-        explorer.press("Back (B)")
-        explorer.wait_until("the page's own code again", lambda code=code: explorer.code() != code)
-    explorer.wait_until("three iterations back", lambda: explorer.iteration() == explorer.last_iteration() - 3)
+    explorer.press("Back (B)")
+    explorer.wait_until("the iteration before", lambda: explorer.iteration() == explorer.last_iteration() - 1)
     after = explorer.expect_to_agree()
     assert replace(after, iteration=before.iteration) == before
 

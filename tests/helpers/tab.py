@@ -13,6 +13,7 @@ import viser
 
 from ido import Perturbation, Scene
 from ido_viz.core.actions import Actions
+from ido_viz.core.address import fragment_of
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library, Subject, shipped_library
@@ -61,6 +62,7 @@ class Tab:
         self.gui = Widgets()
         self.widgets = state
         self.may_cancel = False
+        self.shared: State | None = None
         self.actions = cast(Actions, None)
         self.last_sign_of_life = time.perf_counter()
         self.session = Session(cast(viser.ClientHandle, self), shipped_library(), state)
@@ -110,7 +112,7 @@ class PageOfTab:
 
     fail_reading = False
 
-    def __init__(self, tab: Tab, library: Library, state: State, actions: Actions) -> None:
+    def __init__(self, tab: Tab, library: Library, state: State, actions: Actions, step: str) -> None:
         self.tab = tab
         tab.widgets, tab.actions = state, actions
 
@@ -124,6 +126,12 @@ class PageOfTab:
 
     def show_iteration(self, frame: Frame) -> None:
         pass
+
+    def share(self, state: State) -> None:
+        self.tab.shared = state
+
+    def fragment(self, state: State) -> str:
+        return fragment_of(state, "")
 
     def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
         self.tab.may_cancel = may_cancel

@@ -18,11 +18,13 @@ MAY_IMPORT = {
     "panels": {"core"},
     "files": {"core", "canvas"},
     "teach": {"core", "panels"},
+    "serving": set[str](),
     "page": {"core", "canvas", "panels", "files", "teach"},
     "session": {"core", "canvas", "page"},
-    "app": {"core", "session", "teach"},
+    "app": {"core", "session", "serving", "teach"},
     "notebook": {"core", "app", "teach"},
-    "__main__": {"core", "app", "teach"},
+    "command": {"core", "app", "serving", "teach"},
+    "__main__": {"command"},
     "__init__": {"notebook"},
 }
 """The packages and modules of `ido_viz`, from the ground up, and what each may import of it besides itself."""

@@ -2,19 +2,111 @@
 
 from __future__ import annotations
 
+import signal
+import socket
+import subprocess
 import sys
+import time
 import webbrowser
+from collections.abc import Iterator
 
 import pytest
 
-from ido_viz import __main__ as command
+from ido_viz import command
+from ido_viz.__main__ import INTERRUPTED
+from ido_viz.command import OPEN_TO_ALL, OPEN_WITH_TOKEN
 
 
-def test_ctrl_c_while_the_browser_is_opened_ends_it_quietly(monkeypatch: pytest.MonkeyPatch):
-    def interrupted(url: str) -> None:
+@pytest.fixture
+def interrupted_when_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C is pressed when the page is opened in a browser."""
+
+    def interrupt(url: str) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(webbrowser, "open", interrupted)
+    monkeypatch.setattr(webbrowser, "open", interrupt)
     monkeypatch.setattr(command, "warm_up", lambda *_: None)
-    monkeypatch.setattr(sys, "argv", ["ido-viz", "--port", "18081"])
-    assert command.main() == 0
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["ido-viz", *arguments])
+    return command.run()
+
+
+@pytest.mark.usefixtures("interrupted_when_it_stands")
+def test_ctrl_c_while_the_browser_is_opened_ends_it_quietly(monkeypatch: pytest.MonkeyPatch):
+    assert run(monkeypatch, "--port", "0") == 0
+
+
+@pytest.fixture
+def default_interrupts() -> Iterator[None]:
+    """What is started in the background ignores Ctrl-C, and hands that on."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("default_interrupts")
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
+@pytest.mark.parametrize("loading", ["ido_viz", "numba", "viser"])
+def test_ctrl_c_before_the_address_is_printed_ends_it_quietly(loading: str):
+    arguments = [sys.executable, "-X", "importtime", "-m", "ido_viz", "--no-open", "--port", "0"]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as explorer:
+        assert explorer.stderr and explorer.stdout
+        for line in explorer.stderr:  # a part that has been loaded
+            if line.split("|")[-1].strip().startswith(loading):
+                break
+        time.sleep(0.05)
+        explorer.send_signal(signal.SIGINT)
+        said, rest = explorer.communicate(timeout=60)
+    assert said == ""
+    assert explorer.returncode in (INTERRUPTED, -signal.SIGINT)  # Python itself ends by the signal after some of them
+    assert "Traceback" not in rest
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--port", "99999999"), "from 0 to 65535"),
+        (("--host", "no-such-host.invalid"), "is not known"),
+        (("--host", "198.51.100.7"), "is not an address of this machine"),
+        (("--allow-origin", "example.org"), "looks like https://example.org"),
+        (("--state", "ido1-damaged"), "damaged"),
+    ],
+)
+def test_what_cannot_be_used_is_said_at_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], message: str
+):
+    assert run(monkeypatch, *arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert message in printed.err and printed.err.startswith("ido-viz: ")
+
+
+def test_a_busy_port_that_was_asked_for_is_said(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        assert run(monkeypatch, "--port", str(other.getsockname()[1])) == 2
+    assert "is in use" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("interrupted_when_it_stands")
+@pytest.mark.parametrize(
+    ("arguments", "token", "warning"),
+    [
+        ((), False, None),
+        (("--host", "0.0.0.0"), True, OPEN_WITH_TOKEN),
+        (("--host", "0.0.0.0", "--no-token"), False, OPEN_TO_ALL),
+    ],
+)
+def test_the_printed_address_has_a_token_and_a_warning_where_others_can_connect(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: tuple[str, ...],
+    token: bool,
+    warning: str | None,
+):
+    assert run(monkeypatch, "--port", "0", *arguments) == 0
+    printed = capsys.readouterr()
+    assert ("/?token=" in printed.out) == token
+    assert "0.0.0.0" not in printed.out
+    assert printed.err.strip() == (warning or "")

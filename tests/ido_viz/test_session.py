@@ -17,9 +17,10 @@ from tab import LENGTH, PAUSED, QUIET, Computing, Drawn, PageOfTab, Tab
 from ido import Perturbation
 from ido_viz import session as session_module
 from ido_viz.core.actions import Actions
+from ido_viz.core.address import read_fragment
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute
-from ido_viz.core.state import LAST, State, encode
+from ido_viz.core.state import LAST, State, decode, encode
 
 
 def assert_shows_its_own_run(frame: Drawn) -> None:
@@ -66,6 +67,16 @@ def test_a_drag_slower_than_the_computation_follows_and_ends_at_its_last_value(t
     drawn = [frame.state.perturbation.rotation for frame in tab.frames]
     assert drawn == sorted(drawn)
     assert len(set(drawn)) > 3
+
+
+def test_what_is_shared_is_the_newest_before_it_is_computed(tab: Tab, computing: Computing):
+    computing.go.clear()
+    tab.set(noise=0.02)
+    tab.wait("its code", lambda: tab.shared == tab.widgets)
+    tab.widgets = replace(tab.widgets, hidden=("scene",))  # ticked, and not yet told of
+    assert decode(read_fragment(tab.actions.link().partition("#")[2]).code) == tab.widgets
+    assert tab.shown.state.perturbation.noise != 0.02
+    computing.go.set()
 
 
 def test_a_value_moved_while_the_one_before_is_computed_is_not_lost(tab: Tab, computing: Computing):

@@ -29,7 +29,8 @@ from ido import (
 )
 from ido.blocks import FrontOrBack
 from ido.types import FloatArray
-from ido_viz.__main__ import Options, main, start
+from ido_viz.__main__ import main
+from ido_viz.command import Options, start
 from ido_viz.core import plugins
 from ido_viz.core.background import CancelledError, Job, Shared
 from ido_viz.core.comparison import Comparison

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -64,7 +64,7 @@ def controls(server: viser.ViserServer) -> Iterator[Controls]:
 
 
 def controls_for(server: viser.ViserServer, state: State) -> Controls:
-    def nothing(*_: object) -> None:
+    def nothing(*_: object) -> Any:
         pass
 
     actions = Actions(*[nothing] * len(fields(Actions)))

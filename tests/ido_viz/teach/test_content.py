@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ido_viz import __main__ as command
-from ido_viz import app
+from ido_viz import app, command
 from ido_viz.core.state import State, StateError, with_values
 from ido_viz.teach import lessons
 from ido_viz.teach.content import ContentError
@@ -207,7 +206,7 @@ def test_the_command_tells_a_mistake_before_anything_is_opened(
     saved(LESSON.replace("rotation = 20", "rotation = 900"), tmp_path / "01-seen.toml")
     monkeypatch.setattr(app, "lessons", lambda: load_lessons(tmp_path))
     monkeypatch.setattr(sys, "argv", ["ido-viz", "--no-open", "--port", "0"])
-    assert command.main() == 2
+    assert command.run() == 2
     assert re.fullmatch(r"ido-viz: 01-seen\.toml, step 1: rotation must lie .*\n", capsys.readouterr().err)
 
 

@@ -18,7 +18,7 @@ from ido_viz.core.library import shipped_library
 from ido_viz.core.run import Run
 from ido_viz.core.state import LAST, State, StateError, decode, encode
 from ido_viz.teach.lesson_folder import NONE, LessonFolder
-from ido_viz.teach.lessons import Step, lesson, lessons, step_of
+from ido_viz.teach.lessons import Step, lesson, lessons, step_named, step_of
 
 DEFAULT = State()
 MOST_WORDS = 90
@@ -105,12 +105,28 @@ def test_a_step_is_found_by_its_page() -> None:
     assert step_of(State()) is None
 
 
+def test_a_step_is_found_by_its_name() -> None:
+    dark = lesson("dark")
+    last = len(dark.steps)
+    assert step_named("dark") == step_named("dark/1") == (dark, 0)
+    assert step_named(f"dark/{last}") == (dark, last - 1)
+    for name in (f"dark/{last + 1}", "dark/0", "dark/-1", "dark/one", "dark/1/1"):
+        with pytest.raises(StateError, match=f"has steps 1 to {last}"):
+            step_named(name)
+    with pytest.raises(StateError, match="unknown lesson"):
+        step_named("/1")
+
+
 class Student:
     """Uses the folder as a browser would, and notes the pages that it opens."""
 
     def __init__(self, gui: viser.GuiApi, state: State) -> None:
         self.opened: list[State] = []
-        self.folder = LessonFolder(gui, self.opened.append, state, 0)
+        self.times_left = 0
+        self.folder = LessonFolder(gui, self.opened.append, state, 0, self._leave)
+
+    def _leave(self) -> None:
+        self.times_left += 1
 
     def _send(self, handle: Any, value: str) -> None:
         handle._impl.value = value
@@ -168,7 +184,9 @@ def test_back_and_again(student: Callable[..., Student]) -> None:
     for button in ("Back", "Again", "Next", "Again", "Back"):
         at_desk.press(button)
     assert at_desk.opened == [dark.steps[i].state for i in (0, 0, 1, 1, 0)]
+    assert (at_desk.folder.step, at_desk.times_left) == ("dark/1", 0)
     at_desk.choose(NONE)
+    assert (at_desk.folder.step, at_desk.times_left) == ("", 1)
     assert not at_desk.folder._buttons.visible
     assert len(at_desk.opened) == 5
 

@@ -1,0 +1,125 @@
+"""viser's server behind a door of our own.
+
+viser makes its web server in one call of `websockets.asyncio.server.serve`, and that call is all we change: while a
+viser server is made, ours stands in its place. It hands on everything, with a socket that listens already, looks at
+each request before viser sees it, remembers it for `current_request`, bounds what browsers send, and serves viser's
+page with `address.js` in it, which tells what that does for the address.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import http
+import logging
+import socket
+import threading
+from collections.abc import Awaitable, Callable, Iterator
+from contextvars import ContextVar
+from functools import cache
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import viser
+import websockets.asyncio.server
+from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from ido_viz.serving.guests import Guests
+from ido_viz.serving.traffic import LARGEST, BoundedConnection
+
+_REQUEST: ContextVar[Request] = ContextVar("request")
+_one_at_a_time = threading.Lock()
+
+_nonsense = logging.getLogger(f"{__name__}.nonsense")
+_nonsense.setLevel(logging.CRITICAL)  # strangers must not be able to fill the terminal with what they send
+
+
+def current_request() -> Request:
+    """The request that the running callback's browser connected with; for asynchronous callbacks of viser alone."""
+    return _REQUEST.get()
+
+
+def start(listener: socket.socket, guests: Guests, label: str) -> viser.ViserServer:
+    """A viser server on a socket that listens.
+
+    Args:
+        listener: taken over, and closed when the server stops.
+        guests: who is answered.
+        label: of its panel.
+
+    Raises:
+        RuntimeError: this version of viser makes its server in another way.
+    """
+    host, port = listener.getsockname()[:2]
+    with _our_door(listener, guests) as passed:
+        server = viser.ViserServer(host=host, port=port, label=label, verbose=False)
+    if not passed.is_set():
+        server.stop()
+        raise RuntimeError(f"viser {viser.__version__} does not serve as it is known to; install an older one")
+    return server
+
+
+@contextlib.contextmanager
+def _our_door(listener: socket.socket, guests: Guests) -> Iterator[threading.Event]:
+    """While it lasts, a viser server that is made is served by us; the event says that one was."""
+    passed = threading.Event()
+    original = websockets.asyncio.server.serve
+
+    def serve(handler: Callable[[ServerConnection], Awaitable[None]], *place: Any, **settings: Any) -> Any:
+        if not handler.__module__.startswith("viser."):  # somebody else's server in this process
+            return original(handler, *place, **settings)
+        passed.set()
+        serve_file = settings["process_request"]
+
+        async def handle(connection: ServerConnection) -> None:
+            assert connection.request is not None
+            _REQUEST.set(connection.request)
+            await handler(connection)
+
+        def answer(connection: ServerConnection, request: Request) -> Response | None:
+            refused = guests.refusal(request)
+            if refused is not None:
+                return connection.respond(http.HTTPStatus.FORBIDDEN, refused + "\n")
+            if request.headers.get("Upgrade", "").lower() == "websocket":
+                return None
+            if urlsplit(request.path).path in ("/", "/index.html"):
+                return _page(request)
+            return serve_file(connection, request)
+
+        ours = {
+            "process_request": answer,
+            "create_connection": BoundedConnection,
+            "max_size": LARGEST,
+            "logger": _nonsense,
+        }
+        return original(handle, sock=listener, **settings | ours)
+
+    with _one_at_a_time:
+        websockets.asyncio.server.serve = serve  # type: ignore[assignment]
+        try:
+            yield passed
+        finally:
+            websockets.asyncio.server.serve = original
+
+
+def _page(request: Request) -> Response:
+    """The page, packed if the browser takes that."""
+    packs = "gzip" in request.headers.get("Accept-Encoding", "")
+    body = _packed_page() if packs else gzip.decompress(_packed_page())
+    headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(body))})
+    if packs:
+        headers["Content-Encoding"] = "gzip"
+    return Response(http.HTTPStatus.OK, "OK", headers, body)
+
+
+@cache
+def _packed_page() -> bytes:
+    """viser's page with our script before its own."""
+    before, head, after = (
+        (Path(viser.__file__).parent / "client/build/index.html").read_text("utf-8").partition("<head>")
+    )
+    script = (Path(__file__).parent / "address.js").read_text("utf-8")
+    return gzip.compress(f"{before}{head}<script>{script}</script>{after}".encode())

@@ -1,0 +1,266 @@
+"""A running server, and browsers that are none: who gets a session, with what, and what nobody gets."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from typing import Any
+from urllib.parse import quote
+
+import msgspec
+import pytest
+import viser
+import websockets.asyncio.server
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+from websockets.sync.connection import Connection
+from websockets.typing import Subprotocol
+
+from ido_viz.app import App
+from ido_viz.core.state import State, encode
+from ido_viz.serving import server as serving
+from ido_viz.serving.guests import Guests
+from ido_viz.serving.listening import listen
+from ido_viz.serving.traffic import BURST, LARGEST, RATE, is_used
+from ido_viz.teach.lessons import lesson
+
+pytestmark = pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")  # these pages are left at once
+PATIENCE = 20.0  # seconds; only a failing test waits that long
+PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (0.0, 0.0, 5.0),
+    "fov": 1.0,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 700,
+    "image_width": 1200,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+"""A browser's first message: with it, its page begins."""
+
+BEGIN = State(playing=False)
+
+
+@pytest.fixture(scope="module")
+def app() -> Iterator[App]:
+    app = App(BEGIN, port=0)
+    yield app
+    app.stop()
+
+
+@pytest.fixture(scope="module")
+def open_app() -> Iterator[App]:
+    app = App(BEGIN, port=0, host="0.0.0.0")
+    yield app
+    app.stop()
+
+
+def browser(app: App, query: str = "", **settings: Any) -> Connection:
+    """A connection as a browser makes it, when all others are gone."""
+    wait("no other page", lambda: app.n_sessions == 0)
+    place = f"ws://127.0.0.1:{app.server.get_port()}/{query}"
+    return connect(place, subprotocols=[PROTOCOL], compression=None, max_size=None, **settings)
+
+
+def send(connection: Connection, **message: Any) -> None:
+    connection.send(msgspec.msgpack.encode(message))
+
+
+def wait(what: str, until: Callable[[], object]) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not until():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.01)
+
+
+def begun(app: App, query: str = "") -> State:
+    """The state that a page's session begins with."""
+    with browser(app, query) as connection:
+        send(connection, **CAMERA)
+        wait("a session", lambda: app.n_sessions == 1)
+        (session,) = app._sessions.values()
+        return session._state
+
+
+# The address
+
+
+def test_a_page_begins_with_the_state_of_its_address(app: App):
+    state = State(left="ICP, tuned", playing=False, iteration=3)
+    assert begun(app) == BEGIN
+    assert begun(app, f"?fragment={quote(f'state={encode(state)}')}") == state
+
+
+def test_a_page_begins_with_the_lesson_of_its_address(app: App):
+    steps = lesson("histogram").steps
+    assert begun(app, f"?fragment={quote('lesson=histogram')}") == steps[0].state
+    assert begun(app, f"?fragment={quote('lesson=histogram/3')}") == steps[2].state
+
+
+@pytest.mark.parametrize(
+    "fragment",
+    [
+        "state=ido1-damaged",
+        "state=<img src=x onerror=alert(1)>",
+        f"state={encode(State(left='ICP'))}",
+        "lesson=none such",
+        "lesson=histogram/99",
+        "lesson=histogram/-1",
+        "state=" + "a" * 2500,
+        "\x00",
+    ],
+)
+def test_a_bad_address_begins_with_the_defaults(app: App, fragment: str):
+    assert begun(app, f"?fragment={quote(fragment)}") == BEGIN
+
+
+# Strangers
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Origin": "http://evil.example"}, {"Origin": "null"}, {"Host": "evil.example:8080"}]
+)
+def test_other_pages_get_neither_a_session_nor_a_page(app: App, headers: dict[str, str]):
+    host = {"Host": f"127.0.0.1:{app.server.get_port()}"} | headers
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(urllib.request.Request(app.url, headers=host), timeout=10)
+    if "Host" not in headers:  # this client writes its own
+        with pytest.raises(InvalidStatus, match="403"), browser(app, additional_headers=headers) as connection:
+            send(connection, **CAMERA)
+
+
+def test_our_own_page_connects(app: App):
+    with browser(app, additional_headers={"Origin": app.url}) as connection:
+        send(connection, **CAMERA)
+        wait("a session", lambda: app.n_sessions == 1)
+
+
+def test_a_page_for_others_needs_its_token_for_the_page_and_for_the_connection(open_app: App):
+    token = open_app.url.partition("?")[2]
+    assert token.startswith("token=") and len(token) > 20
+    place = f"http://127.0.0.1:{open_app.server.get_port()}/"
+    for query in ("", "?token=wrong"):
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(place + query, timeout=10)
+        assert "Open the whole address that ido-viz printed" in refused.value.read().decode()
+        with pytest.raises(InvalidStatus, match="403"):
+            browser(open_app, query)
+    assert urllib.request.urlopen(open_app.url, timeout=10).status == 200
+    assert begun(open_app, f"?{token}") == BEGIN
+
+
+def test_the_token_can_be_done_without():
+    app = App(port=0, host="0.0.0.0", token=False)
+    try:
+        assert "token" not in app.url
+        assert urllib.request.urlopen(app.url, timeout=10).status == 200
+    finally:
+        app.stop()
+
+
+def test_the_page_is_the_same_packed_or_not_and_has_our_script_before_viser_s(app: App):
+    plain = urllib.request.urlopen(app.url, timeout=10).read()
+    packed = urllib.request.Request(app.url, headers={"Accept-Encoding": "gzip"})
+    with urllib.request.urlopen(packed, timeout=10) as answer:
+        assert answer.headers["Content-Encoding"] == "gzip"
+    assert 0 < plain.index(b"hashchange") < plain.index(b"<script data-p")
+    with pytest.raises(urllib.error.HTTPError, match="404"):
+        urllib.request.urlopen(f"{app.url}/../secrets", timeout=10)
+
+
+# What browsers may send
+
+
+def test_nobody_gets_a_tunnel_and_no_message_is_kept_for_others(app: App, monkeypatch: pytest.MonkeyPatch):
+    asked: list[str] = []
+    for name in ("request_share_url", "disconnect_share_url"):
+        monkeypatch.setattr(app.server, name, lambda *_, name=name, **__: asked.append(name))
+    kept = len(app.server._websock_server.get_message_buffer().message_from_id)
+    with browser(app) as connection:
+        send(connection, type="ShareUrlRequest")
+        send(connection, type="ShareUrlDisconnect")
+        for number in range(200):
+            send(connection, type="GuiFormDirtyMessage", uuid=f"form-{number}")
+        send(connection, type="RunJavascriptMessage", source="alert(1)")
+        send(connection, type="NoSuchMessage")
+        connection.send(b"\xc1 nothing at all")
+        connection.send("text")
+        send(connection, **CAMERA)  # it still is a browser as any other
+        wait("a session", lambda: app.n_sessions == 1)
+    assert asked == []
+    assert len(app.server._websock_server.get_message_buffer().message_from_id) == kept
+
+
+def test_of_a_widget_only_the_value_can_be_changed():
+    def update(**updates: object) -> bytes:
+        return msgspec.msgpack.encode({"type": "GuiUpdateMessage", "uuid": "1", "updates": updates})
+
+    assert is_used(update(value=3))
+    assert not is_used(update(sync_cb=None))
+    assert not is_used(update(value=3, removed=True))
+
+
+def test_a_flood_has_to_wait(app: App):
+    with browser(app) as connection:
+        start = time.monotonic()
+        for _ in range(BURST + RATE):
+            send(connection, type="NoSuchMessage")
+        send(connection, **CAMERA)
+        wait("a session", lambda: app.n_sessions == 1)
+        assert time.monotonic() - start > 0.9
+
+
+def test_a_message_that_is_too_large_ends_the_connection(app: App):
+    with browser(app) as connection:
+        connection.send(os.urandom(LARGEST + 1))
+        with pytest.raises(ConnectionClosed) as closed:
+            while True:
+                connection.recv(timeout=PATIENCE)
+        assert closed.value.rcvd is not None and closed.value.rcvd.code == 1009
+
+
+@pytest.mark.filterwarnings("ignore:.* does not match annotation")
+def test_nonsense_is_not_written_to_the_terminal(app: App, caplog: pytest.LogCaptureFixture):
+    for sent in (b"", b"junk\r\n\r\n", b"GET /" + b"a" * 10_000 + b" HTTP/1.1\r\n\r\n"):
+        with socket.create_connection(("127.0.0.1", app.server.get_port())) as stranger:
+            stranger.settimeout(PATIENCE)
+            with contextlib.suppress(ConnectionError):
+                stranger.sendall(sent)
+                while sent and stranger.recv(1000):  # until it is hung up
+                    pass
+    with browser(app) as connection:
+        send(connection, type="ViewerCameraMessage", wxyz="nothing else")
+        with pytest.raises(ConnectionClosed):
+            while True:
+                connection.recv(timeout=PATIENCE)
+    assert caplog.records == []
+
+
+# The door
+
+
+def test_other_servers_of_the_process_are_made_as_ever(app: App):
+    assert websockets.asyncio.server.serve.__module__ == "websockets.asyncio.server"
+
+
+def test_a_viser_that_serves_in_another_way_is_not_let_run_without_our_door(monkeypatch: pytest.MonkeyPatch):
+    stopped: list[bool] = []
+
+    class Otherwise:
+        def __init__(self, **_: object) -> None: ...
+
+        def stop(self) -> None:
+            stopped.append(True)
+
+    monkeypatch.setattr(viser, "ViserServer", Otherwise)
+    with listen("127.0.0.1", 0) as listener, pytest.raises(RuntimeError, match="does not serve as it is known to"):
+        serving.start(listener, Guests(), "IDO Explorer")
+    assert stopped == [True]
