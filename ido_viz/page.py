@@ -44,7 +44,7 @@ class Page:
         gui.main_panel.dock_left()
         self._gui = gui
         self._controls = Controls(client, library, state, actions)
-        lessons = LessonFolder(gui, actions.open_page, state, order=-1)  # on top, so that the charts stay in sight
+        self._lessons = LessonFolder(client, actions, state, order=-1)  # on top, so that the charts stay in sight
         presets = PresetFolder(gui, actions.open_page, FOLDER_ORDER["presets"])
         downloads = DownloadFolder(client, actions.shown, FOLDER_ORDER["download"])
         upper = gui.add_panel(order=0)
@@ -70,7 +70,7 @@ class Page:
             self._inspect = InspectTab(gui, state, actions.inspect)
         self._placing = Placing(gui, upper, lower)
         self._parts: dict[Part, list[Any]] = {part: [handle] for part, handle in self._controls.parts.items()}
-        self._parts |= {"lessons": [lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
+        self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
         self._parts["scores"] += telling
         self._canvas = Canvas(client, actions.click)
         self._dark: bool | None = None
@@ -86,6 +86,7 @@ class Page:
     def show_iteration(self, frame: Frame) -> None:
         """Write the iteration, and, when nothing plays, the code."""
         self._controls.show_iteration(frame)
+        self._lessons.follow(frame)
 
     def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
         """Draw a frame; `may_cancel` offers to cancel slow methods."""
@@ -100,6 +101,7 @@ class Page:
         self._sweeps.draw(state)
         self._derivations.draw(state.dark)
         self._controls.draw(frame, may_cancel=may_cancel)
+        self._lessons.draw(frame)
 
     def _set_theme(self, dark: bool) -> None:
         if dark != self._dark:

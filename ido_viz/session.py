@@ -26,7 +26,7 @@ from ido_viz.core.frame import Frame, frame_of, shown_iteration
 from ido_viz.core.library import Library
 from ido_viz.core.live_run import LiveRun
 from ido_viz.core.run import Run
-from ido_viz.core.state import LAST, NO_POINT, State, StateError, decode
+from ido_viz.core.state import LAST, NO_POINT, State, StateError, decode, with_values
 from ido_viz.core.sweep_results import Choice
 from ido_viz.page import Page
 
@@ -208,6 +208,7 @@ class Session:
             open_page=self._open_page,
             show_all=lambda: self._change(lambda state: replace(state, hidden=()), show=True),
             inspect=self._inspect,
+            set_values=lambda values: self._change(lambda state: with_values(state, values), show=True),
             click=self._click,
             redraw=self._wake,
             shown=lambda: self._drawn,

@@ -25,7 +25,7 @@ FOLDER_ORDER: dict[Part, float] = {
 }
 """Of the folders below the playback, from above."""
 
-_STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
+STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
 _HINTS = {
     "noise": "Standard deviation of the Gaussian noise on every point, in model units (the model fits in ±1).",
     "points": "Points drawn from the full cloud, before some are removed.",
@@ -88,7 +88,7 @@ class Controls:
                     name.capitalize(),
                     kind(allowed.low),
                     kind(allowed.high),
-                    kind(_STEPS[name]),
+                    kind(STEPS[name]),
                     kind(np.clip(getattr(state.perturbation, name), allowed.low, allowed.high)),
                     marks=((kind(getattr(paper, name)), f"{getattr(paper, name):g}"),),
                     hint=_HINTS[name] + " The mark is the paper's default.",
