@@ -43,8 +43,8 @@ class LessonFolder:
                 "Lesson",
                 (NONE, *self._by_title),
                 initial_value=NONE if self._place is None else self._place.lesson.title,
-                hint="A few prepared pages about one thing, with what to look at and to try. The left and right arrow, or "
-                "a clicker, go back and on; Again puts back what you tried; Leave brings back what was there before.",
+                hint="A few prepared pages about one thing, with what to look at and to try. The arrows or a clicker "
+                "go on and back; Again puts back what you tried; Leave brings back what was there before.",
             )
         self._menu.on_update(lambda event: self._choose(event.target.value) if event.client else None)
         moves = {"Back": self._back, "Next": self._on, "Again": self._again, "Leave": self._leave}

@@ -112,12 +112,12 @@ class Presenter:
 
     def _turn_view(self, direction: tuple[float, float, float] | None) -> None:
         """See the 3D view from a direction; as the page opens for None, if a step had turned it."""
-        if direction is None and not self._view_is_turned:
+        turned, self._view_is_turned = self._view_is_turned, direction is not None
+        if direction is None and not turned:
             return
-        self._view_is_turned = direction is not None
         from_where = np.array(VIEW_DIRECTION if direction is None else direction)
         target = self._camera.look_at
         distance = np.linalg.norm(self._camera.position - target)
-        distance *= 1 / _STEP_BACK if direction is None else _STEP_BACK
+        distance *= _STEP_BACK ** (self._view_is_turned - turned)
         self._camera.position = target + distance * from_where / np.linalg.norm(from_where)
         self._camera.look_at = target
