@@ -53,10 +53,10 @@ class Presenter:
         self.panel.visible = False
         self._tab = self.panel.add_tab("Lesson")
         with self._tab:
-            self._head = gui.add_html("", order=0)
-            self._text = gui.add_markdown("", order=1)
-            self._slot = gui.add_folder(None, order=2)
-            self._moves = gui.add_button_group("Go", tuple(moves), order=3)  # a hint would cover the text
+            self._text = gui.add_markdown("", order=0)
+            self._slot = gui.add_folder(None, order=1)
+            self._head = gui.add_html("", order=2)  # between the text and the buttons, whose hint covers it
+            self._moves = gui.add_button_group("Go", tuple(moves), order=3, hint="Or the arrow keys, or a clicker.")
             self._script = gui.add_html("", order=4)
         self._moves.on_click(lambda event: moves[event.target.value]())
 
@@ -72,7 +72,7 @@ class Presenter:
         self._control = None
         self._slot.remove()
         with self._tab:
-            self._slot = self._gui.add_folder(None, order=2)
+            self._slot = self._gui.add_folder(None, order=1)
         if place is None:
             self._head.content = self._script.content = ""  # without it, the arrows are the camera's again
             self._turn_view(None)
@@ -86,11 +86,14 @@ class Presenter:
         self._turn_view(step.camera if step is not None else None)
         with self._slot:
             if place.asking:
-                answers = self._gui.add_button_group("Your guess", place.asking)
+                answers = self._gui.add_button_group(
+                    "Your guess", place.asking, hint="Nothing plays before you have one."
+                )
                 answers.on_click(lambda event: choices[event.target.value]())
             else:
                 for label, act in choices.items():
-                    self._gui.add_button(label).on_click(lambda _, act=act: act())
+                    button = self._gui.add_button(label, hint="This lesson is closed.")
+                    button.on_click(lambda _, act=act: act())
             if step is not None and step.control is not None and not choices:
                 self._control = ControlView(self._gui, step.control, state, self._actions)
 
