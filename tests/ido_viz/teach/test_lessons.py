@@ -97,7 +97,7 @@ def test_nothing_plays_before_a_guess(name: str, step: Step) -> None:
     assert step.guess.right in step.guess.answers
 
 
-VERDICTS = {
+VERDICTS: dict[tuple[str, ...], tuple[str, str]] = {
     ("DO", "Improved DO", "Both", "Neither"): ("DO", "Improved DO"),
     ("DO", "GMMReg, tuned", "Both", "Neither"): ("DO", "GMMReg, tuned"),
     ("The left one", "The right one", "Both", "Neither"): ("The left one", "The right one"),
@@ -115,10 +115,9 @@ def test_the_right_answer_is_right(name: str, step: Step) -> None:
         assert errors[RIGHT] < errors[LEFT]
         assert step.guess.right == "Improved DO"
         return
-    left, right = VERDICTS[step.guess.answers]
-    in_place = tuple(ends(Verdict.IN_PLACE, side)(run) for side in BOTH)
-    truth = {(True, False): left, (False, True): right, (True, True): "Both", (False, False): "Neither"}
-    assert step.guess.right == truth[in_place]
+    names = VERDICTS[step.guess.answers]
+    in_place = [name for side, name in zip(BOTH, names, strict=True) if ends(Verdict.IN_PLACE, side)(run)]
+    assert step.guess.right == {0: "Neither", 1: "".join(in_place), 2: "Both"}[len(in_place)]
 
 
 def test_lessons_have_their_own_names_titles_and_pages() -> None:
