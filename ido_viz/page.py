@@ -44,7 +44,6 @@ class Page:
         gui.main_panel.dock_left()
         self._gui = gui
         self._controls = Controls(client, library, state, actions)
-        self._lessons = LessonFolder(client, actions, state, order=-1)  # on top, so that the charts stay in sight
         presets = PresetFolder(gui, actions.open_page, FOLDER_ORDER["presets"])
         downloads = DownloadFolder(client, actions.shown, FOLDER_ORDER["download"])
         upper = gui.add_panel(order=0)
@@ -68,6 +67,7 @@ class Page:
             self._sweeps = SweepsTab(gui, actions.open_scene, actions.redraw)
         with lower.add_tab("Inspect"):
             self._inspect = InspectTab(gui, state, actions.inspect)
+        self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, state, order=-1)  # above all folders
         self._placing = Placing(gui, upper, lower)
         self._parts: dict[Part, list[Any]] = {part: [handle] for part, handle in self._controls.parts.items()}
         self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}

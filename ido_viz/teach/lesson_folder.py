@@ -25,11 +25,19 @@ class LessonFolder:
     Args:
         client: where its widgets are placed.
         actions: opens pages, and does what a step's control does.
+        show_sweep: chooses what the tab Sweeps shows.
         state: what the page begins with; if it is a step's, that step is shown.
         order: place among the page's folders.
     """
 
-    def __init__(self, client: viser.ClientHandle, actions: Actions, state: State, order: float) -> None:
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        actions: Actions,
+        show_sweep: Callable[[str], None],
+        state: State,
+        order: float,
+    ) -> None:
         gui = client.gui
         self._actions = actions
         self._by_title = {lesson.title: lesson for lesson in lessons()}
@@ -48,7 +56,7 @@ class LessonFolder:
             )
         self._menu.on_update(lambda event: self._choose(event.target.value) if event.client else None)
         moves = {"Back": self._back, "Next": self._on, "Again": self._again, "Leave": self._leave}
-        self._presenter = Presenter(client, actions, moves)
+        self._presenter = Presenter(client, actions, show_sweep, moves)
         on = gui.add_command("Lesson: next step", hotkey="pagedown")
         back = gui.add_command("Lesson: step back", hotkey="pageup")
         on.on_trigger(lambda _: self._on())

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from ido import RANGES
 from ido.shipped import asset
 from ido_viz.core.run import inputs
 from ido_viz.core.state import State, StateError
@@ -29,7 +30,7 @@ from ido_viz.teach.step_control import StepControl, control_of
 Tab = Literal["Histograms", "Training", "Derivations", "Help", "Maps", "Errors", "Compare", "Sweeps", "Inspect"]
 
 _CLAIM = re.compile(r"\[(?P<text>[^\[\]]+)\]\(#(?P<id>[^()]*)\)")
-_OF_LOOK = {"tab": str, "end": bool, "marks": list, "camera": list}
+_OF_LOOK = {"tab": str, "end": bool, "sweep": str, "marks": list, "camera": list}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +69,7 @@ class Step:
         control: the one control beside the text; None for none.
         tab: the tab that it opens; None for none.
         end: whether that tab is shown from its end.
+        sweep: what the tab Sweeps shows; None as it is.
         marks: what is pointed at in the 3D view.
         camera: direction from which the 3D view is seen, (x, y, z); None as the page opens.
         guess: what is asked; None for nothing.
@@ -79,6 +81,7 @@ class Step:
     control: StepControl | None = None
     tab: Tab | None = None
     end: bool = False
+    sweep: str | None = None
     marks: tuple[Mark, ...] = ()
     camera: tuple[float, float, float] | None = None
     guess: Guess | None = None
@@ -140,6 +143,7 @@ def _step(table: object, where: str, before: State | None) -> Step:
         guess, more = _guess(values["guess"], where, state)
         claims, state = claims + more, replace(state, playing=False, iteration=0)
     _check_choice(where, "tab", values.get("tab"), get_args(Tab))
+    _check_choice(where, "sweep", values.get("sweep"), RANGES)
     for mark in values.get("marks", ()):
         _check_choice(where, "mark", mark, get_args(Mark))
     return Step(
@@ -149,6 +153,7 @@ def _step(table: object, where: str, before: State | None) -> Step:
         control=control_of(values["control"], where) if "control" in values else None,
         tab=values.get("tab"),
         end=values.get("end", False),
+        sweep=values.get("sweep"),
         marks=tuple(values.get("marks", ())),
         camera=_camera(values, where),
         guess=guess,

@@ -23,7 +23,7 @@ WIDTH = 500
 _GAP = 12  # from the canvas's edges, pixels
 _STEP_BACK = 1.25  # of the camera's distance: seen from aside, one pane comes nearer
 _STYLE = """<style>
-.lesson{margin:0.1rem 0.75rem 0.2rem;font-size:0.75rem;opacity:0.75}
+.lesson{margin:0.4rem 0.75rem 0.7rem;font-size:0.75rem;opacity:0.75}
 [data-dock-group]:has(.lesson) p{font-size:1.0625rem;line-height:1.4}
 </style>"""
 
@@ -37,13 +37,17 @@ class Presenter:
     Args:
         client: the page.
         actions: what a step's control does.
+        show_sweep: chooses what the tab Sweeps shows.
         moves: the ways to other steps, and out.
     """
 
-    def __init__(self, client: viser.ClientHandle, actions: Actions, moves: Buttons) -> None:
+    def __init__(
+        self, client: viser.ClientHandle, actions: Actions, show_sweep: Callable[[str], None], moves: Buttons
+    ) -> None:
         self._gui = gui = client.gui
         self._camera = client.camera
         self._actions = actions
+        self._show_sweep = show_sweep
         self._marks = Marks(client.scene)
         self._place: Place | None = None
         self._control: ControlView | None = None
@@ -83,6 +87,8 @@ class Presenter:
         self._turn += 1
         tab = open_tab(step.tab, self._turn, at_end=step.end) if step is not None and step.tab is not None else ""
         self._script.content = arrows_turn_pages() + tab
+        if step is not None and step.sweep is not None:
+            self._show_sweep(step.sweep)
         self._turn_view(step.camera if step is not None else None)
         with self._slot:
             if place.asking:

@@ -29,6 +29,7 @@ Look. [Both end
 '''
 tab = "Maps"
 end = true
+sweep = "noise"
 marks = ["scene"]
 camera = [1, -1, 0.5]
 control = { seed = [1, 2] }
@@ -108,6 +109,7 @@ def test_a_lesson_is_what_its_file_says(tmp_path: Path):
             control=StepControl("seed", (1, 2)),
             tab="Maps",
             end=True,
+            sweep="noise",
             marks=("scene",),
             camera=(1.0, -1.0, 0.5),
         ),
@@ -161,7 +163,7 @@ def test_a_file_of_windows_is_read(tmp_path: Path):
         ("rotation = 20", 'left = "CPD, tunde"', "01-seen.toml, step 1: 'CPD, tunde' cannot register 'bunny'"),
         ("rotation = 20", 'shape = "teapot"', "01-seen.toml, step 1: unknown shape 'teapot'; known: bunny, urban"),
         ('["view"]', '["views"]', "01-seen.toml, step 1: hidden must name parts of the page"),
-        ("rotation = 20", "rotation 20", r"01-seen.toml: not TOML: .*\(at line 16, column 10\)"),
+        ("rotation = 20", "rotation 20", r"01-seen.toml: not TOML: .*\(at line 17, column 10\)"),
         ('title = "Seen"', "", "01-seen.toml: 'title' is missing; give text in quotes"),
         ('title = "Seen"', "title = 1", "01-seen.toml: 'title' must be text in quotes, not 1"),
         ('text = "Nothing."', "", "01-seen.toml, step 2: 'text' is missing"),
@@ -190,6 +192,7 @@ def test_a_file_of_windows_is_read(tmp_path: Path):
         ),
         ('"turned"', '"upside-down"', "01-seen.toml: unknown preset 'upside-down'; known: defaults, .*turned"),
         ('"Maps"', '"Map"', "01-seen.toml, step 1: unknown tab 'Map'; known: Histograms, .*Maps"),
+        ('"noise"\nmarks', '"nose"\nmarks', "01-seen.toml, step 1: unknown sweep 'nose'; known: noise, .*translation"),
         ("end = true", "end = 1", "01-seen.toml, step 1: 'end' must be true or false, not 1"),
         ('["scene"]', '["scenes"]', "01-seen.toml, step 1: unknown mark 'scenes'; known: model point, .*scene"),
         ("[1, -1, 0.5]", "[1, -1]", "01-seen.toml, step 1: 'camera' must be a direction of three numbers"),

@@ -37,7 +37,10 @@ class Student:
         actions = SimpleNamespace(
             open_page=self._open, shown=lambda: SimpleNamespace(state=self.page), redraw=lambda: None, **_UNUSED
         )
-        self.folder = LessonFolder(cast(viser.ClientHandle, client), cast(Actions, actions), state, 0)
+        self.sweeps: list[str] = []
+        self.folder = LessonFolder(
+            cast(viser.ClientHandle, client), cast(Actions, actions), self.sweeps.append, state, 0
+        )
         self.presenter: Any = self.folder._presenter
         self.draw()
 
@@ -130,6 +133,7 @@ def test_a_student_walks_through_every_lesson(student: Callable[..., Student], e
             assert at_desk.page == step.guess.state
         at_desk.press("Next")
     assert each.title in at_desk.text
+    assert at_desk.sweeps == [step.sweep for step in each.steps if step.sweep is not None]
     at_desk.press("Next")
     assert at_desk.page == each.steps[-1].shown
 

@@ -95,6 +95,7 @@ def test_nothing_plays_before_a_guess(name: str, step: Step) -> None:
     assert not step.state.playing
     assert step.state.iteration == 0
     assert step.guess.right in step.guess.answers
+    assert step.tab == "Maps", "the curves of Errors and Compare would tell the end"
 
 
 VERDICTS: dict[tuple[str, ...], tuple[str, str]] = {
