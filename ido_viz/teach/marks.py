@@ -23,7 +23,7 @@ _AWAY["scene"] = (0.25, 0.0, 0.95)
 
 _GAP = 0.08  # from the arrow's head to what it points at
 _HIGH = 0.5  # above it, a word is below what it points at, clear of the pane's title; model units
-_REACH = 1.35  # of the axis
+_REACH = 1.1  # of the axis, below the title of a pane
 _AXIS_LABELS = {"up": "up: the z axis", "round": "further round"}
 _BALL = 0.04  # radius, a little more than the yellow one of a picked scene point
 

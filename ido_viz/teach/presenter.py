@@ -17,8 +17,8 @@ from ido_viz.teach.marks import Marks, pointers
 from ido_viz.teach.step_control import ControlView
 from ido_viz.teach.walk import Place
 
-WIDTH = 500
-"""Of the panel, pixels: on a window of 1280 the canvas between the other panels is 580 wide."""
+WIDTH = 450
+"""Of the panel, pixels: on a window of 1280, with large text, the canvas between the other panels is 470 wide."""
 
 _GAP = 12  # from the canvas's edges, pixels
 _STEP_BACK = 1.25  # of the camera's distance: seen from aside, one pane comes nearer
