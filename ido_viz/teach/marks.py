@@ -13,19 +13,26 @@ from ido.types import DoubleArray
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.geometry import upright
+from ido_viz.core.palette import Color
 from ido_viz.core.state import Pane
 
-Mark = Literal["model point", "scene point", "outliers", "scene", "up", "round"]
+Mark = Literal["model point", "scene point", "answer", "outliers", "scene", "up", "round"]
 
-_AWAY = {"model point": (-0.62, 0.0, 0.42), "scene point": (0.62, 0.0, 0.42), "outliers": (0.3, 0.0, 0.5)}
-_AWAY["scene"] = (0.25, 0.0, 0.95)
+_AWAY = {
+    "model point": (-0.3, 0.0, -0.7),
+    "scene point": (0.55, 0.0, 0.5),
+    "answer": (0.55, 0.0, 0.5),
+    "outliers": (0.3, 0.0, 0.5),
+    "scene": (0.25, 0.0, 0.95),
+}
 """From what is pointed at to the word, as it is seen on the page, model units."""
 
-_GAP = 0.08  # from the arrow's head to what it points at
+_GAP = 0.04  # from the arrow's head to what it points at, or to its ball
 _HIGH = 0.5  # above it, a word is below what it points at, clear of the pane's title; model units
 _REACH = 1.1  # of the axis, below the title of a pane
 _AXIS_LABELS = {"up": "up: the z axis", "round": "further round"}
-_BALL = 0.04  # radius, a little more than the yellow one of a picked scene point
+_BALLS = {"model point": 0.06, "scene point": 0.05, "answer": 0.05}
+"""Radii of the balls that what is picked is drawn as, larger than where nothing is said of it; model units."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,13 +44,17 @@ class Pointer:
         label: the word.
         path: points from the word to the head, or of an axis to the word at its head, in the model's frame; shape
             (n, 3), n at least 2.
-        ball: where the scene's point gets its pane's colour back, in the model's frame, shape (3,); None for nowhere.
+        ball: radius of the ball at what is pointed at, model units; 0 for none.
+        tip: what is pointed at, in the model's frame, shape (3,); of an axis, its end.
+        color: of the ball.
     """
 
     pane: int
     label: str
     path: DoubleArray
-    ball: DoubleArray | None = None
+    tip: DoubleArray
+    ball: float
+    color: Color
 
 
 def pointers(frame: Frame, marks: tuple[Mark, ...]) -> tuple[Pointer, ...]:
@@ -51,10 +62,12 @@ def pointers(frame: Frame, marks: tuple[Mark, ...]) -> tuple[Pointer, ...]:
     found = []
     for mark in marks:
         for side in frame.sides if mark in ("outliers", "scene") else (frame.inspected,):
-            path = _path(frame, side, mark)
-            if path is not None:
-                ball = _tip(frame, side, mark) if mark == "scene point" else None
-                found.append(Pointer(side.pane, _word(frame, side, mark), path, ball))
+            tip = _tip(frame, side, mark)
+            if tip is None:
+                continue
+            path = _path(frame, tip, mark)
+            color = palette.MARK if mark == "model point" else palette.METHOD_COLORS[side.pane]
+            found.append(Pointer(side.pane, _word(frame, side, mark), path, tip, _BALLS.get(mark, 0.0), color))
     return tuple(found)
 
 
@@ -62,7 +75,7 @@ def _word(frame: Frame, side: SideFrame, mark: Mark) -> str:
     if mark == "outliers" and int(frame.run.scene.is_outlier.sum()) == 1:
         return "outlier"
     inspection = side.inspection
-    if mark == "scene point" and inspection is not None and inspection.answers is not None:
+    if mark == "answer" and inspection is not None and inspection.answers is not None:
         first, counts = inspection.answers
         question, one = inspection.question, inspection.scene_point
         assert question is not None and one is not None
@@ -70,24 +83,30 @@ def _word(frame: Frame, side: SideFrame, mark: Mark) -> str:
     return _AXIS_LABELS.get(mark, mark)
 
 
-def _path(frame: Frame, side: SideFrame, mark: Mark) -> DoubleArray | None:
+def _path(frame: Frame, tip: DoubleArray, mark: Mark) -> DoubleArray:
     if mark == "up":
-        return np.array([[0.0, 0.0, 0.0], [0.0, 0.0, _REACH]])
+        return np.stack([np.zeros(3), tip])
     if mark == "round":
-        angle = np.linspace(-0.4, 1.1, 16)
-        return np.stack([np.cos(angle), np.sin(angle), np.zeros(16)], axis=1)
-    tip = _tip(frame, side, mark)
-    if tip is None:
-        return None
+        return _arc()
     turn, away = upright(frame.run.subject.up), np.array(_AWAY[mark])
     if mark != "scene" and turn.apply(tip)[2] > _HIGH:
-        away[2] *= -1
+        away[2] = -abs(away[2])
     away = turn.inv().apply(away)
-    return np.stack([tip + away, tip + _GAP * away / np.linalg.norm(away)])
+    return np.stack([tip + away, tip + (_GAP + _BALLS.get(mark, 0.0)) * away / np.linalg.norm(away)])
+
+
+def _arc() -> DoubleArray:
+    """Part of a circle around the z axis, the way that angles grow; shape (n, 3)."""
+    angle = np.linspace(-0.4, 1.1, 16)
+    return np.stack([np.cos(angle), np.sin(angle), np.zeros(16)], axis=1)
 
 
 def _tip(frame: Frame, side: SideFrame, mark: Mark) -> DoubleArray | None:
-    """What a mark points at, in the model's frame."""
+    """What a mark points at, in the model's frame; None for what is not there."""
+    if mark == "up":
+        return np.array([0.0, 0.0, _REACH])
+    if mark == "round":
+        return _arc()[-1]
     if mark in ("outliers", "scene"):
         scene = frame.run.scene
         points = scene.points[scene.is_outlier == (mark == "outliers")]
@@ -121,9 +140,8 @@ class Marks:
         for name, each in zip(self._names, found, strict=True):
             path = each.path.astype(np.float32)
             self._scene.add_frame(name, show_axes=False)
-            if each.ball is not None:
-                ball_color = palette.METHOD_COLORS[each.pane]
-                self._scene.add_icosphere(f"{name}/ball", radius=_BALL, color=ball_color, position=each.ball)
+            if each.ball:
+                self._scene.add_icosphere(f"{name}/ball", radius=each.ball, color=each.color, position=each.tip)
             self._scene.add_line_segments(
                 f"{name}/shaft",
                 np.stack([path[:-1], path[1:]], axis=1),

@@ -31,12 +31,14 @@ def missed(pointer: Pointer, point: np.ndarray) -> float:
 
 def test_the_picked_pair_is_named_with_its_answer_and_weight():
     shown = frame(PAIR)
-    model, scene = pointers(shown, ("model point", "scene point"))
-    assert (model.pane, scene.pane) == (0, 0)
-    assert model.label == "model point"
-    assert scene.label == "scene point\nfront, weight 0.59"
+    model, scene, answer = pointers(shown, ("model point", "scene point", "answer"))
+    assert (model.pane, scene.pane, answer.pane) == (0, 0, 0)
+    assert (model.label, scene.label) == ("model point", "scene point")
+    assert answer.label == "scene point\nfront, weight 0.59"
+    assert model.color != scene.color
+    assert np.array_equal(answer.path, scene.path)
     assert missed(model, shown.run.sides[0].histogram.model.points[PAIR.inspected]) < 1e-6
-    assert scene.ball == pytest.approx(shown.run.scene.points[PAIR.scene_point], abs=1e-6)
+    assert scene.tip == pytest.approx(shown.run.scene.points[PAIR.scene_point], abs=1e-6)
     assert missed(scene, shown.run.scene.points[PAIR.scene_point]) < 1e-6
     words = np.linalg.norm(model.path[0] - scene.path[0])
     assert words > 0.5, "the two words stand apart"
@@ -62,12 +64,11 @@ def test_the_axis_and_the_way_round_are_those_of_the_questions():
 
 
 def test_a_word_at_the_top_stands_below_what_it_names():
-    shown = frame(page_of("binaries/few-points-count"))
-    (ear,) = pointers(shown, ("model point",))
-    (tail, _) = pointers(frame(PAIR), ("model point", "scene point"))
-    turn = upright(shown.run.subject.up)
-    assert turn.apply(ear.path[0])[2] < turn.apply(ear.path[-1])[2]
-    assert turn.apply(tail.path[0])[2] > turn.apply(tail.path[-1])[2]
+    (ears,) = pointers(frame(page_of("histogram/nothing-from-the-ears")), ("scene point",))
+    (tail,) = pointers(frame(PAIR), ("scene point",))
+    turn = upright(frame(PAIR).run.subject.up)
+    assert turn.apply(ears.path[0])[2] < turn.apply(ears.tip)[2]
+    assert turn.apply(tail.path[0])[2] > turn.apply(tail.tip)[2]
 
 
 def test_what_is_not_there_is_not_pointed_at():
