@@ -53,7 +53,7 @@ class Presenter:
         self._control: ControlView | None = None
         self._turn = 0
         self._view_is_turned = False
-        self.panel = gui.add_panel()
+        self.panel = gui.add_panel(order=-1)  # on a phone, where panels are a list, the first
         self.panel.visible = False
         self._tab = self.panel.add_tab("Lesson")
         with self._tab:
@@ -113,6 +113,7 @@ class Presenter:
             self.panel.visible = wanted
             if wanted:  # a panel that was hidden has lost its place
                 self.panel.float(x=_GAP, y=-_GAP, width=WIDTH)
+                self.panel.expand()
 
     def follow(self, frame: Frame) -> None:
         """Let the step's control show what the page shows."""
