@@ -29,6 +29,7 @@ class Student:
 
     def __init__(self, server: viser.ViserServer, state: State) -> None:
         self.opened: list[State] = []
+        self.scene = server.scene
         self.page = state
         self.camera = SimpleNamespace(
             look_at=np.array([0.0, 0.0, 0.1]), position=np.array([0.0, 0.0, 0.1]) + 4 * VIEW_DIRECTION
@@ -252,3 +253,22 @@ def test_the_view_is_turned_for_a_step_and_turned_back(student: Callable[..., St
     assert turned > 1
     at_desk.press("Leave")
     assert at_desk.camera.position == pytest.approx(before)
+
+
+def test_what_a_step_marks_is_named_in_the_3d_view_until_the_next(student: Callable[..., Student]):
+    at_desk, steps = student(), lesson("histogram").steps
+
+    def words() -> list[str]:
+        nodes: Any = at_desk.scene._handle_from_node_name
+        return sorted(node.text for name, node in nodes.items() if name.endswith("/word"))
+
+    at_desk.choose(lesson("histogram").title)
+    assert words() == ["model point", "scene point"]
+    for step in steps[1:]:
+        at_desk.press("Next")
+        assert len(words()) == len(step.marks)
+    at_desk.press("Back")
+    at_desk.choose(lesson("failure").title)
+    assert words() == ["outliers", "outliers"]
+    at_desk.press("Leave")
+    assert words() == []
