@@ -55,7 +55,6 @@ class Page:
         self._inside = InsidePanel(gui)
         self._controls = Controls(client, library, state, actions)
         with self._controls.tabs["Learn"]:
-            self._lessons = LessonFolder(gui, actions.open_page, state, actions.redraw, step)
             presets = PresetFolder(gui, actions.open_page)
         with self._controls.tabs["Share"]:
             downloads = DownloadFolder(client, actions.shown)
@@ -80,6 +79,8 @@ class Page:
             self._sweeps = SweepsTab(gui, actions.open_scene, actions.redraw)
         with lower.add_tab("Inspect"):
             self._inspect = InspectTab(gui, state, actions.inspect)
+        with self._controls.tabs["Learn"]:
+            self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, state, step)
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
         self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
@@ -98,6 +99,7 @@ class Page:
     def show_iteration(self, frame: Frame) -> None:
         """Write the iteration."""
         self._controls.show_iteration(frame)
+        self._lessons.follow(frame)
 
     def share(self, state: State) -> None:
         """Write the code of a state, and make the browser's address that of the page."""
@@ -116,7 +118,7 @@ class Page:
         """Draw a frame; `may_cancel` offers to cancel slow methods."""
         state = frame.state
         self._set_theme(state.dark)
-        self._canvas.draw(frame)
+        self._canvas.draw(frame, lifted=self._lessons.is_open or frame.inside is not None)
         self._placing.draw(state)
         self._hide(state)
         for tab in (self._inspect, self._histograms, self._maps, self._errors, self._training):
@@ -127,10 +129,11 @@ class Page:
         self._controls.draw(frame, may_cancel=may_cancel)
         self._captions.draw(frame)
         self._inside.draw(frame)
+        self._lessons.draw(frame)
 
     def draw_inside(self, frame: Frame) -> None:
         """Draw the slow motion of an iteration, and nothing that stays the same in it."""
-        self._canvas.draw(frame)
+        self._canvas.draw(frame, lifted=self._lessons.is_open or frame.inside is not None)
         self._inside.draw(frame)
         self._controls.show_iteration(frame)
 

@@ -11,7 +11,7 @@ import logging
 import random
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, get_args
 
@@ -31,7 +31,20 @@ from ido_viz.core.inspection import inspect, inspected_number
 from ido_viz.core.library import Library
 from ido_viz.core.live_run import LiveRun
 from ido_viz.core.run import Run, scene_inputs
-from ido_viz.core.state import BEATS, LAST, NO_CAMERA, NO_POINT, NO_START, NORMAL_SPEED, Pane, State, StateError, decode
+from ido_viz.core.state import (
+    BEATS,
+    LAST,
+    NO_CAMERA,
+    NO_POINT,
+    NO_START,
+    NORMAL_SPEED,
+    OF_SCENE,
+    Pane,
+    State,
+    StateError,
+    decode,
+    with_values,
+)
 from ido_viz.core.sweep_results import Choice
 from ido_viz.page import Page
 
@@ -134,6 +147,12 @@ class Session:
         with self._awake:
             self._dirty = True
             self._awake.notify()
+
+    def _set_values(self, values: Mapping[str, Any]) -> None:
+        if values.keys() & {"rotation", "translation"}:
+            values = {**values, "start": NO_START}
+        wait = AFTER_A_CHANGE if values.keys() & (OF_SCENE | {"shape"}) else None
+        self._change(lambda state: with_values(state, values), show=True, replays_after=wait)
 
     def _compare(self) -> None:
         with self._awake:
@@ -331,6 +350,7 @@ class Session:
             open_page=self._open_page,
             show_all=lambda: self._change(lambda state: replace(state, hidden=()), show=True),
             inspect=self._inspect,
+            set_values=self._set_values,
             click=self._click,
             grab=self._grab,
             look=self._look,

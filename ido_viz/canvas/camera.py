@@ -17,6 +17,7 @@ _WIDTH = 5.15  # of both panes, model units: the camera steps back until they fi
 _HEIGHT = 3.1  # of a pane, with room for what is written above and below it
 _PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
 _PATIENCE = 3.0  # seconds in which a page gets to the place that it was sent
+_LIFT = 0.12  # of the height that is seen
 _SAME = 0.01  # places that differ less are one
 
 
@@ -39,16 +40,18 @@ class Camera:
         self._moved = moved
         self._aspect = 0.0  # of the window that it was placed for
         self._placed: tuple[float, ...] = NO_CAMERA
+        self._lifted = False
         self._awaited_until = 0.0  # until the page has the place that was sent, it tells of others on the way
         self._arrived: Callable[[], None] | None = arrived
         self._lock = threading.Lock()  # the camera's callbacks overtake each other
         camera.on_update(lambda _: self._on_update())
 
-    def show(self, place: tuple[float, ...]) -> None:
-        """Look from a place of the state, unless the page does already."""
+    def show(self, place: tuple[float, ...], *, lifted: bool) -> None:
+        """Look from a place of the state, unless the page does already; lifted panes leave room below them."""
         with self._lock:
-            if place != self._placed or not self._aspect:  # sent with the first frame, whose arrival it tells
-                self._placed = place
+            if (place, lifted) != (self._placed, self._lifted) or not self._aspect:
+                # the first time with the first frame, whose arrival it tells
+                self._placed, self._lifted = place, lifted
                 self._place()
 
     def _on_update(self) -> None:
@@ -92,7 +95,7 @@ class Camera:
         height = max(_HEIGHT, _WIDTH / self._aspect * (1.1 if portrait else 1.0))
         distance = height / 2 / float(np.tan(self._camera.fov / 2))
         # on a phone the controls cover the lower part, so the panes move up
-        return distance, np.array([0.0, 0.0, -0.27 * height if portrait else 0.0])
+        return distance, np.array([0.0, 0.0, -height * (0.27 if portrait else _LIFT if self._lifted else 0.0)])
 
 
 _FITTED = (*(VIEW_DIRECTION / np.linalg.norm(VIEW_DIRECTION)).tolist(), 0.0, 0.0, 0.0)

@@ -35,11 +35,11 @@ class Canvas:
         self._panes = [PaneView(scene, pane, partial(actions.grab, pane)) for pane in range(2)]
         self._camera = Camera(client.camera, actions.look, actions.seen)
 
-    def draw(self, frame: Frame) -> None:
-        """Draw both panes, seen from where the state says."""
+    def draw(self, frame: Frame, *, lifted: bool = False) -> None:
+        """Draw both panes, seen from where the state says, and lifted where something stands below them."""
         for pane in self._panes:
             pane.draw(frame)
-        self._camera.show(frame.state.camera)
+        self._camera.show(frame.state.camera, lifted=lifted)
 
     def move(self, frame: Frame) -> None:
         """Move both scenes to where a frame has them, and nothing else."""

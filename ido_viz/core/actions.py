@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,8 @@ class Actions:
     open_page: Callable[[State], None]
     show_all: Callable[[], None]
     inspect: Callable[[dict[str, Any]], None]
+    set_values: Callable[[Mapping[str, Any]], None]
+    """Called with values by their names in `VALUES`."""
     click: Callable[[FloatArray, FloatArray], None]
     """Called with origin and direction of the ray of a click in the 3D view."""
     grab: Callable[[int, str, FloatArray], None]

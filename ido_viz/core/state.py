@@ -173,9 +173,10 @@ def _is_moderate(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= FARTHEST
 
 
-_OF_SCENE = frozenset(f.name for f in fields(Perturbation))
+OF_SCENE = frozenset(f.name for f in fields(Perturbation))
+"""Names of what a scene is made by."""
 
-VALUES: frozenset[str] = _OF_SCENE | {f.name for f in fields(State)} - {"perturbation"}
+VALUES: frozenset[str] = OF_SCENE | {f.name for f in fields(State)} - {"perturbation"}
 """Names of all that a page shows, the scene's values among them."""
 
 
@@ -189,14 +190,14 @@ def with_values(state: State, values: Mapping[str, Any]) -> State:
     if unknown:
         raise StateError(f"unknown {', '.join(sorted(unknown))}; known: {', '.join(sorted(VALUES))}")
     perturbation = state.perturbation
-    for name in (name for name in values if name in _OF_SCENE):
+    for name in (name for name in values if name in OF_SCENE):
         try:
             perturbation = replace(perturbation, **{name: values[name]})
         except TypeError as error:
             raise StateError(f"{name} must be a number, not {values[name]!r}") from error
         except ValueError as error:
             raise StateError(str(error)) from error
-    return replace(state, perturbation=perturbation, **{n: v for n, v in values.items() if n not in _OF_SCENE})
+    return replace(state, perturbation=perturbation, **{n: v for n, v in values.items() if n not in OF_SCENE})
 
 
 def encode(state: State) -> str:

@@ -39,6 +39,7 @@ canvas[data-engine] { anchor-name: --canvas; }
 }
 .over-canvas > div { flex: 1 1 0; min-width: 0; text-align: center; line-height: 1.35; padding: 0 0.4rem;
   white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+body:has(.lesson) .verdicts { bottom: auto; top: 4rem; }
 @media (max-width: 600px) {
   .over-canvas { left: 0; right: 0; }
   .verdicts { bottom: auto; top: 4rem; }

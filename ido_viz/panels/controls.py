@@ -20,7 +20,7 @@ from ido_viz.panels.playback import PREPARING, Playback
 from ido_viz.panels.readout import readout_html
 from ido_viz.panels.sharing import ShareFolder
 
-_STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
+STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
 _HINTS = {
     "noise": "Standard deviation of the Gaussian noise on every point, in model units (the model fits in ±1).",
     "points": "Points drawn from the full cloud, before some are removed.",
@@ -97,7 +97,7 @@ class Controls:
                 name.capitalize(),
                 kind(allowed.low),
                 kind(allowed.high),
-                kind(_STEPS[name]),
+                kind(STEPS[name]),
                 kind(np.clip(values[name], allowed.low, allowed.high)),
                 marks=((kind(getattr(paper, name)), f"{getattr(paper, name):g}"),),
                 hint=_HINTS[name] + " The mark is the paper's default.",
@@ -298,7 +298,7 @@ def _widget_values(state: State) -> dict[str, Any]:
     values: dict[str, Any] = {name: getattr(state.perturbation, name) for name in (*RANGES, "outlier_kind", "seed")}
     if state.start:
         for name, size in zip(("rotation", "translation"), start_size(state), strict=True):
-            step, allowed = _STEPS[name], RANGES[name]
+            step, allowed = STEPS[name], RANGES[name]
             values[name] = round(min(max(round(size / step) * step, allowed.low), allowed.high), 6)
     for name in (
         "shape",

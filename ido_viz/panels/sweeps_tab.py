@@ -74,6 +74,11 @@ class SweepsTab:
         self._plot.restyle((np.array(levels, dtype=np.float64), *curves), series, scales, plain_axes(state))
         self._look = self._looks(state)  # the choices on offer may have changed with the sweep
 
+    def show_sweep(self, sweep: str) -> None:
+        """Choose a sweep, as its menu does."""
+        self._sweep.value = sweep
+        self._changed()
+
     def _looks(self, state: State) -> tuple[object, ...]:
         chosen = (self._sweep, self._score, self._group, self._method, self._level)
         return (state.shape, state.dark, *(handle.value for handle in chosen))

@@ -16,7 +16,7 @@ Table = Mapping[str, Any]
 NAME = "[a-z0-9]+(-[a-z0-9]+)*"
 """Pattern of names and ids: small letters, digits, and dashes between words."""
 
-_KINDS = {str: "text in quotes", bool: "true or false", list: "an array of tables", dict: "a table"}
+_KINDS = {str: "text in quotes", bool: "true or false", list: "an array", dict: "a table"}
 _FILE = re.compile(rf"(?P<number>\d+)-(?P<name>{NAME})\.toml")
 
 
@@ -55,19 +55,23 @@ def numbered(folder: Path) -> list[tuple[str, Path]]:
     return [(name, file) for _, name, file in found]
 
 
-def checked(table: object, where: str, kinds: Mapping[str, type]) -> Table:
-    """The table itself, when it has these keys, no others, and values of these kinds.
+def checked(table: object, where: str, kinds: Mapping[str, type], optional: Mapping[str, type] | None = None) -> Table:
+    """The table itself, when it has these keys, maybe optional ones, no others, and values of these kinds.
+
+    An optional value of the kind `object` may be anything.
 
     Raises:
         ContentError: it has not.
     """
     if not isinstance(table, dict):
         raise ContentError(f"{where}: must be a table, not {table!r}")
-    check_known(table, where, kinds)
-    for key, kind in kinds.items():
+    allowed = {**kinds, **(optional or {})}
+    check_known(table, where, allowed)
+    for key in kinds:
         if key not in table:
-            raise ContentError(f"{where}: {key!r} is missing; give {_KINDS[kind]}")
-        if type(table[key]) is not kind:
+            raise ContentError(f"{where}: {key!r} is missing; give {_KINDS[kinds[key]]}")
+    for key, kind in allowed.items():
+        if key in table and kind is not object and type(table[key]) is not kind:
             raise ContentError(f"{where}: {key!r} must be {_KINDS[kind]}, not {table[key]!r}")
     return table
 
@@ -114,8 +118,8 @@ def joined(text: str) -> str:
     return " ".join(text.split())
 
 
-def page(table: Table, where: str) -> State:
-    """The state of a table of what differs from the default page.
+def page(table: Table, where: str, base: State | None = None) -> State:
+    """The state of a table of what differs from another one, by default from the page that opens first.
 
     Raises:
         ContentError: a value is unknown or out of range, or a method cannot register the shape.
@@ -123,6 +127,6 @@ def page(table: Table, where: str) -> State:
     check_known(table, where, VALUES)
     values = {name: tuple(value) if isinstance(value, list) else value for name, value in table.items()}
     try:
-        return shipped_library().checked(with_values(State(), values))
+        return shipped_library().checked(with_values(base or State(), values))
     except StateError as error:
         raise ContentError(f"{where}: {error}") from error

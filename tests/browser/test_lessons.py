@@ -1,35 +1,123 @@
-"""Lessons on the page: choosing one, its steps, trying things and coming back."""
+"""Lessons on the page: choosing one, its steps, trying things, guessing, and coming back."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import get_args
 
-from explorer import Explorer
+from explorer import Explorer, OpenExplorer
 
 from ido_viz.core.state import State
-from ido_viz.teach.lessons import lesson
+from ido_viz.teach.lessons import Tab, lesson
 
 
 def test_a_lesson_is_walked_left_and_taken_up_again(explorer: Explorer):
+    before = explorer.expect_to_agree()
     chosen = lesson("stopping")
     explorer.choose("Lesson", chosen.title)
     for number, step in enumerate(chosen.steps, start=1):
-        explorer.page.get_by_text(f"Step {number} of {len(chosen.steps)}").wait_for()
+        explorer.expect_step(number, len(chosen.steps))
         explorer.wait_until(f"the page of step {number}", lambda step=step: at_rest(explorer) == at_its_end(step.state))
+        if step.guess is not None:
+            explorer.press(step.guess.right)
+            explorer.page.get_by_text("Yes.").wait_for()
+            explorer.wait_until("the answer", lambda step=step: at_rest(explorer) == at_its_end(step.shown))
         if number < len(chosen.steps):
             explorer.press("Next")
     explorer.press("Back")
-    explorer.page.get_by_text(f"Step {len(chosen.steps) - 1} of {len(chosen.steps)}").wait_for()
+    explorer.expect_step(len(chosen.steps) - 1, len(chosen.steps))
     explorer.pause(300)
     explorer.drag("Noise", 0.9)
     explorer.press("Again")
     wanted = chosen.steps[-2].state
     explorer.wait_until("the step's page again", lambda: explorer.state().perturbation == wanted.perturbation)
+    explorer.press("Leave")
+    explorer.wait_until("what was there before", lambda: explorer.state() == before)
+    assert explorer.step() is None
+
+
+def test_keys_and_a_clicker_turn_pages_where_nothing_else_needs_them(explorer: Explorer):
+    chosen = lesson("maps")
+    explorer.choose("Lesson", chosen.title)
+    explorer.expect_step(1, len(chosen.steps))
+    for key, number in (("PageDown", 2), ("ArrowRight", 3), ("PageUp", 2), ("ArrowLeft", 1), ("ArrowLeft", 1)):
+        explorer.type_key(key)
+        explorer.expect_step(number, len(chosen.steps))
+    explorer.row("Rotation").get_by_role("slider").first.focus()
+    explorer.page.keyboard.press("ArrowRight")
+    explorer.wait_until("one degree more", lambda: explorer.state().perturbation.rotation == 61.0)
+    explorer.page.get_by_role("tab", name="Maps", exact=True).focus()
+    explorer.page.keyboard.press("ArrowRight")
+    explorer.page.get_by_role("tab", name="Errors", exact=True, selected=True).wait_for()
+    explorer.expect_step(1, len(chosen.steps))
+
+
+def test_the_tab_that_a_step_talks_about_is_open(explorer: Explorer):
+    for name in get_args(Tab):
+        explorer.page.get_by_role("tab", name=name, exact=True).wait_for()
+    chosen = lesson("failure")
+    explorer.choose("Lesson", chosen.title)
+    for number, step in enumerate(chosen.steps, start=1):
+        explorer.expect_step(number, len(chosen.steps))
+        if step.tab is not None:
+            explorer.page.get_by_role("tab", name=step.tab, exact=True, selected=True).wait_for()
+        if step.guess is not None:
+            explorer.press("Next")
+            explorer.page.get_by_text(step.guess.text.split("*")[0]).wait_for()
+        explorer.press("Next")
+
+
+def test_the_control_beside_the_text_is_the_one_of_the_panel(explorer: Explorer):
+    chosen = lesson("settings")
+    explorer.choose("Lesson", chosen.title)
+    for number in (1, 1, 2, 3):
+        explorer.expect_step(number, len(chosen.steps))
+        explorer.press("Next")
+        explorer.pause(200)
+    explorer.expect_step(4, len(chosen.steps))
+    step = explorer.presenter()
+    slider = step.get_by_role("slider")
+    slider.focus()
+    slider.press("Home")
+    explorer.wait_until("no outliers", lambda: explorer.state().perturbation.outliers == 0)
+    of_panel = explorer.page.get_by_role("slider").filter(visible=True)
+    values = [each.get_attribute("aria-valuenow") for each in of_panel.all()]
+    assert "300" not in values
+    explorer.press("Paper defaults")
+    explorer.wait_until("the step's slider follows", lambda: slider.get_attribute("aria-valuenow") == "300")
+
+
+def test_nothing_plays_before_a_guess(explorer: Explorer):
+    chosen = lesson("half")
+    explorer.choose("Lesson", chosen.title)
+    explorer.expect_step(1, len(chosen.steps))
+    explorer.expect_numbers(chosen.steps[0].state)
+    explorer.pause(500)
+    assert explorer.iteration() == 0
+    guess = chosen.steps[0].guess
+    assert guess is not None
+    explorer.press("DO")
+    explorer.page.get_by_text("No.").wait_for()
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+
+
+def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(open_explorer: OpenExplorer):
+    explorer = open_explorer()
+    moved = [camera_turns(explorer)]
+    explorer.choose("Lesson", lesson("maps").title)
+    explorer.pause(500)
+    moved.append(camera_turns(explorer))
+    explorer.press("Leave")
+    explorer.pause(500)
+    moved.append(camera_turns(explorer))
+    assert moved == [True, False, True]
 
 
 def test_the_page_says_what_the_lesson_says_of_one_pair_of_points(explorer: Explorer):
     explorer.choose("Lesson", lesson("histogram").title)
-    explorer.open_tab("Inspect")
+    for number in (1, 2):
+        explorer.expect_step(number, 12)
+        explorer.press("Next")
     for answer, weight in (("front", "0.5873"), ("back", "0.0434")):
         of_pair = explorer.page.get_by_role("row").filter(has_text="front / back").last
         explorer.wait_until(
@@ -40,10 +128,12 @@ def test_the_page_says_what_the_lesson_says_of_one_pair_of_points(explorer: Expl
 
 
 def test_the_bin_that_misleads_most_is_listed_first(explorer: Explorer):
+    steps = lesson("misled").steps
     explorer.choose("Lesson", lesson("misled").title)
-    explorer.open_tab("Inspect")
+    explorer.press("Next")
     explorer.wait_until("the list", lambda: explorer.options("Strongest bins")[1].startswith("430 front -"))
     explorer.press("Next")
+    assert steps[2].state.inspected == 430
     explorer.wait_until("its model point", lambda: explorer.field("Model point").input_value() == "430")
 
 
@@ -52,6 +142,19 @@ def test_a_scene_of_the_training_comes_unrounded(explorer: Explorer):
     explorer.choose("Lesson", lesson("overfitting").title)
     explorer.expect_numbers(learned)
     assert explorer.expect_to_agree() == learned
+
+
+def camera_turns(explorer: Explorer) -> bool:
+    """Whether holding an arrow turns the camera; the server is told of each of its moves."""
+    (client,) = explorer.app.server.get_clients().values()
+    explorer.pause(300)
+    before = client.camera.position
+    explorer.page.evaluate("document.activeElement.blur()")
+    explorer.page.keyboard.down("ArrowLeft")
+    explorer.pause(400)
+    explorer.page.keyboard.up("ArrowLeft")
+    explorer.pause(300)
+    return bool(abs(client.camera.position - before).max() > 0.01)
 
 
 def at_rest(explorer: Explorer) -> object:

@@ -177,6 +177,19 @@ class Explorer:
         """Whether the play button offers to pause."""
         return self.page.get_by_role("button", name="Pause (P)").count() == 1
 
+    def presenter(self) -> Locator:
+        """The panel of a lesson."""
+        return self.page.locator("[data-dock-group]").filter(has=self.page.locator(".lesson"))
+
+    def step(self) -> str | None:
+        """Where the lesson is, in words; None when there is none."""
+        shown = self.page.locator(".lesson")
+        return shown.inner_text().split(" · ")[-1] if shown.count() else None
+
+    def expect_step(self, number: int, of: int) -> None:
+        """Wait until a lesson is at a step."""
+        self.wait_until(f"step {number}", lambda: self.step() == f"Step {number} of {of}")
+
     # What can be done
 
     def press(self, button: str) -> None:

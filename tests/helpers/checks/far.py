@@ -16,7 +16,7 @@ from checks.helpers import (
     in_its_place,
     mean,
     means,
-    page_of_step,
+    page_of,
     paper_says,
     rotation_error,
 )
@@ -59,7 +59,8 @@ CHECKS: dict[str, Check] = {
     "dark/improved-do-in-place": ends(Verdict.IN_PLACE, RIGHT),
     "dark/do-wrong": ends(Verdict.WRONG_POSE, LEFT),
     "dark/another-seed-the-other-way-round": at(
-        page_of_step("dark", 4, seed=3), all_of(ends(Verdict.IN_PLACE, LEFT), ends(Verdict.WRONG_POSE, RIGHT))
+        page_of("dark/another-seed-the-other-way-round", seed=3),
+        all_of(ends(Verdict.IN_PLACE, LEFT), ends(Verdict.WRONG_POSE, RIGHT)),
     ),
     "dark/ahead-when-far": means(("Improved DO", "0.39"), ("DO", "0.30"), sweep="translation", level=0.8),
     "dark/behind-when-nearer": means(("Improved DO", "0.53"), ("DO", "0.58"), sweep="translation", level=0.6),

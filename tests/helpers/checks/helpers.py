@@ -26,9 +26,11 @@ LEFT, RIGHT = 0, 1
 BOTH = (LEFT, RIGHT)
 
 
-def page_of_step(name: str, number: int, **values: Any) -> State:
-    """The page of a lesson's step, numbered from 1, with some values changed."""
-    return with_values(lesson(name).steps[number - 1].state, values)
+def page_of(claim: str, **values: Any) -> State:
+    """The page that a claim, ``lesson/id``, is made on, with some values changed."""
+    name, wanted = claim.split("/")
+    (found,) = (step.shown for step in lesson(name).steps if wanted in [each.id for each in step.claims])
+    return with_values(found, values)
 
 
 def page_of_preset(name: str, **values: Any) -> State:

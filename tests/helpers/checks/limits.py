@@ -14,13 +14,13 @@ from checks.helpers import (
     both_wrong,
     change_by_outliers,
     means,
-    page_of_step,
+    page_of,
 )
 from ido.blocks import SIGMA2
 from ido.types import FloatArray
 from ido_viz.core.run import Run
 
-_INSIDE = page_of_step("outliers", 2)
+_INSIDE = page_of("outliers/weighs-much-beside-it")
 _BESIDE, _ONE_OUTLIER = _INSIDE.inspected, _INSIDE.scene_point
 """The model point that is nearest to the one outlier that lies within the bunny, and that outlier."""
 
@@ -55,14 +55,14 @@ CHECKS: dict[str, Check] = {
     "outliers/three-hundred-both-in-place": both_in_place,
     "outliers/seventy-points": lambda run: int((~run.scene.is_outlier).sum()) == 70,
     "outliers/both-wrong": both_wrong,
-    "outliers/more-points-help": at(page_of_step("outliers", 4, points=400), both_in_place),
-    "outliers/fewer-outliers-do-not": at(page_of_step("outliers", 4, outliers=0), both_wrong),
+    "outliers/more-points-help": at(page_of("outliers/more-points-help", points=400), both_in_place),
+    "outliers/fewer-outliers-do-not": at(page_of("outliers/fewer-outliers-do-not", outliers=0), both_wrong),
     "half/both-in-place": both_in_place,
     "half/a-third-sees-less": lambda run: all(float((_share_of_reference(run, s) < 0.5).mean()) > 0.34 for s in BOTH),
     "half/a-third-sees-more": lambda run: all(float((_share_of_reference(run, s) > 1).mean()) > 0.34 for s in BOTH),
     "half/both-wrong": both_wrong,
     "half/half-come-right": means(("DO", "0.49"), ("Improved DO", "0.47"), sweep="incomplete", level=0.7),
-    "half/another-seed-in-place": at(page_of_step("half", 2, seed=0), both_in_place),
+    "half/another-seed-in-place": at(page_of("half/another-seed-in-place", seed=0), both_in_place),
     "half/no-outliers-both-in-place": both_in_place,
     "half/points-left": lambda run: int((~run.scene.is_outlier).sum()) == 120,
 }

@@ -15,7 +15,7 @@ from checks.helpers import (
     ends,
     map_size,
     means,
-    page_of_step,
+    page_of,
     rotation_error,
     training_error,
 )
@@ -28,7 +28,7 @@ def _first_step_is_mostly_better(run: Run) -> bool:
     """Whether Improved DO's first update leaves less rotation than DO's in more than half of 40 scenes."""
     better = 0
     for seed in range(40):
-        scene = perturb(run.subject.cloud(), page_of_step("two-more", 1, seed=seed).perturbation)
+        scene = perturb(run.subject.cloud(), page_of("two-more/first-iteration-mostly-better", seed=seed).perturbation)
         left = []
         for side in run.sides:
             assert side.maps is not None
@@ -38,7 +38,7 @@ def _first_step_is_mostly_better(run: Run) -> bool:
     return better > 20
 
 
-PAPERS_EPSILON = page_of_step("stopping", 1).epsilon
+PAPERS_EPSILON = page_of("stopping/both-wrong").epsilon
 
 
 def _stop_of_paper(run: Run, side: int) -> int:
@@ -53,7 +53,7 @@ def _would_be_wrong(run: Run, side: int) -> bool:
     return float(run.sides[side].scores.accuracy[_stop_of_paper(run, side)]) < 0.5
 
 
-_STOP_OF_DO = page_of_step("stopping", 2).overlaid_iteration
+_STOP_OF_DO = page_of("stopping/where-do-was-stopped").overlaid_iteration
 """Iteration at which the paper's ε stops DO, as the page has it."""
 
 

@@ -14,7 +14,7 @@ from checks.helpers import (
     ends,
     front_share,
     means,
-    page_of_step,
+    page_of,
 )
 from ido.attribution import Attribution
 from ido.types import FloatArray
@@ -55,7 +55,9 @@ CHECKS: dict[str, Check] = {
     "settings/cpd-default-wrong": ends(Verdict.WRONG_POSE, LEFT),
     "settings/cpd-tuned-in-place": ends(Verdict.IN_PLACE, RIGHT),
     "settings/cpd-over-all": means(("CPD, default", "0.10"), ("CPD, tuned", "0.74")),
-    "settings/cpd-default-without-outliers": at(page_of_step("settings", 2, outliers=0), ends(Verdict.IN_PLACE, LEFT)),
+    "settings/cpd-default-without-outliers": at(
+        page_of("settings/cpd-default-without-outliers", outliers=0), ends(Verdict.IN_PLACE, LEFT)
+    ),
     "settings/do-in-place": ends(Verdict.IN_PLACE, LEFT),
     "settings/gmmreg-wrong": ends(Verdict.WRONG_POSE, RIGHT),
     "settings/do-ahead-when-turned": means(("DO", "0.69"), ("GMMReg, tuned", "0.37"), sweep="rotation", level=90),
@@ -69,7 +71,8 @@ CHECKS: dict[str, Check] = {
     "failure/front-and-back-push-wrong": lambda run: f"{_pushes(run)[0]:.2f}" == "-0.22",
     "failure/third-question-hardly-pushes": lambda run: f"{_pushes(run)[2]:.2f}" == "-0.02",
     "failure/third-question-pushes-without-the-ball": at(
-        page_of_step("failure", 3, outliers=0), lambda run: f"{_pushes(run)[2]:+.2f}" == "+0.16"
+        page_of("failure/third-question-pushes-without-the-ball", outliers=0),
+        lambda run: f"{_pushes(run)[2]:+.2f}" == "+0.16",
     ),
     "failure/both-turn-the-wrong-way": lambda run: (
         _turn_about_z(run, LEFT) < 0 and _turn_about_z(run, RIGHT) < 2 * _turn_about_z(run, LEFT)

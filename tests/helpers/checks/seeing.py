@@ -12,7 +12,7 @@ from checks.helpers import (
     both_in_place,
     from_line,
     in_its_place,
-    page_of_step,
+    page_of,
     rotation_error,
 )
 from ido.blocks import SIGMA2, azimuth, elevation
@@ -29,11 +29,12 @@ def _off_line_in_place(run: Run) -> float:
     return float(from_line(run.sides[LEFT], in_its_place(run, LEFT))[0])
 
 
-TAIL = page_of_step("histogram", 1).inspected
+TAIL = page_of("histogram/in-front").inspected
 """Number of a model point on the bunny's tail."""
 
-_IN_FRONT, _BEHIND = (page_of_step("histogram", step).scene_point for step in (1, 2))
-_FAR = 359
+_IN_FRONT, _BEHIND, _FAR = (
+    page_of(f"histogram/{claim}").scene_point for claim in ("in-front", "behind", "nothing-from-the-ears")
+)
 """Scene points: two near the tail, and one at the ears."""
 
 
@@ -54,7 +55,7 @@ def _share_of_bin(run: Run, scene_point: int) -> float:
     return float(weight[scene_point] / weight[front == front[scene_point]].sum())
 
 
-EAR = page_of_step("binaries", 1).inspected
+EAR = page_of("binaries/few-points-count").inspected
 """Number of the model point at the tip of the bunny's ear."""
 
 

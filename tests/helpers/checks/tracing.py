@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from checks.helpers import LEFT, RIGHT, Check, ends, page_of_step, rotation_error
+from checks.helpers import LEFT, RIGHT, Check, ends, page_of, rotation_error
 from ido import Scene, register, score
 from ido.attribution import bin_name
 from ido.blocks import SIGMA2
@@ -16,16 +16,16 @@ from ido_viz.core.inspection import Inspection, inspect
 from ido_viz.core.run import Run
 from ido_viz.core.verdict import Verdict
 
-MISLEADING = page_of_step("misled", 2).inspected
+MISLEADING = page_of("misled/front-of-one-point-comes-first").inspected
 """Number of the model point whose bin *front* misleads most."""
 
-_PIECE = page_of_step("misled", 3).scene_point
+_PIECE = page_of("misled/heaviest-point").scene_point
 """Scene point that weighs most in that bin."""
 
 
 def _look(run: Run) -> Inspection:
     """What Improved DO makes of the start, towards the true pose."""
-    found = inspect(run, page_of_step("misled", 1), 0, RIGHT)
+    found = inspect(run, page_of("misled/improved-do-wrong"), 0, RIGHT)
     assert found is not None
     return found
 

@@ -13,24 +13,45 @@ from ido_viz.core.state import State, StateError, with_values
 from ido_viz.teach import lessons
 from ido_viz.teach.content import ContentError
 from ido_viz.teach.derivations import Derivation, Equation, load_derivations
-from ido_viz.teach.lessons import Claim, Lesson, Step, load_lessons
+from ido_viz.teach.lessons import Claim, Guess, Lesson, Step, load_lessons
 from ido_viz.teach.presets import Preset, load_presets
+from ido_viz.teach.step_control import StepControl
 
 LESSON = """
 title = "Seen"
+preset = "turned"
 
 [[steps]]
 text = '''
 Look. [Both end
 *in place*.](#both-in-place) Press **P**.
 '''
+tab = "Maps"
+end = true
+sweep = "noise"
+marks = ["scene"]
+camera = [1, -1, 0.5]
+control = { seed = [1, 2] }
 [steps.page]
 rotation = 20
 hidden = ["view"]
 
 [[steps]]
 text = "Nothing."
+change = { seed = 9, playing = false }
+[steps.guess]
+answers = ["DO", "Both"]
+right = "Both"
+text = "[So it is.](#so-it-is)"
+
+[[steps]]
+text = "Still there."
+
+[[steps]]
+text = "Else."
+control = "noise"
 [steps.page]
+iteration = 3
 """
 PRESETS = """
 [[presets]]
@@ -78,9 +99,40 @@ def test_a_lesson_is_what_its_file_says(tmp_path: Path):
     before, seen = load_lessons(tmp_path)
     page = with_values(State(), {"rotation": 20, "hidden": ("view",)})
     claim = Claim("both-in-place", "Both end *in place*.")
-    steps = (Step("Look. Both end *in place*. Press **P**.", (claim,), page), Step("Nothing.", (), State()))
-    assert seen == Lesson("seen", "Seen", steps)
-    assert before == Lesson("seen-before", "Before", steps)
+    second = with_values(page, {"seed": 9, "playing": False})
+    steps = (
+        Step(
+            "Look. Both end *in place*. Press **P**.",
+            (claim,),
+            page,
+            control=StepControl("seed", (1, 2)),
+            tab="Maps",
+            end=True,
+            sweep="noise",
+            marks=("scene",),
+            camera=(1.0, -1.0, 0.5),
+        ),
+        Step(
+            "Nothing.",
+            (Claim("so-it-is", "So it is."),),
+            second,
+            guess=Guess(("DO", "Both"), "Both", "So it is.", second),
+        ),
+        Step("Still there.", (), second),
+        Step("Else.", (), with_values(State(), {"iteration": 3}), control=StepControl("noise")),
+    )
+    assert seen == Lesson("seen", "Seen", steps, preset="turned")
+    assert before == Lesson("seen-before", "Before", steps, preset="turned")
+
+
+def test_a_step_that_asks_waits_at_the_start(tmp_path: Path):
+    saved(LESSON.replace("playing = false", "iteration = 3"), tmp_path / "01-seen.toml")
+    (seen,) = load_lessons(tmp_path)
+    asking = seen.steps[1]
+    assert asking.guess is not None
+    assert (asking.state.playing, asking.state.iteration) == (False, 0)
+    assert (asking.guess.state.playing, asking.guess.state.iteration) == (True, 3)
+    assert seen.steps[2].state == asking.shown == asking.guess.state
 
 
 def test_presets_are_what_their_file_says(tmp_path: Path):
@@ -110,11 +162,15 @@ def test_a_file_of_windows_is_read(tmp_path: Path):
         ("rotation = 20", 'left = "CPD, tunde"', "01-seen.toml, step 1: 'CPD, tunde' cannot register 'bunny'"),
         ("rotation = 20", 'shape = "teapot"', "01-seen.toml, step 1: unknown shape 'teapot'; known: bunny, urban"),
         ('["view"]', '["views"]', "01-seen.toml, step 1: hidden must name parts of the page"),
-        ("rotation = 20", "rotation 20", r"01-seen.toml: not TOML: .*\(at line 10, column 10\)"),
+        ("rotation = 20", "rotation 20", r"01-seen.toml: not TOML: .*\(at line 17, column 10\)"),
         ('title = "Seen"', "", "01-seen.toml: 'title' is missing; give text in quotes"),
         ('title = "Seen"', "title = 1", "01-seen.toml: 'title' must be text in quotes, not 1"),
         ('text = "Nothing."', "", "01-seen.toml, step 2: 'text' is missing"),
-        ('text = "Nothing."', 'text = "No."\ntxt = ""', "01-seen.toml, step 2: unknown key 'txt'; known: page, text"),
+        (
+            'text = "Nothing."',
+            'text = "No."\ntxt = ""',
+            "01-seen.toml, step 2: unknown key 'txt'; known: camera, change, control, .*text",
+        ),
         (
             "(#both-in-place)",
             "(#Both in place)",
@@ -123,6 +179,30 @@ def test_a_file_of_windows_is_read(tmp_path: Path):
         ("(#both-in-place)", "(#)", "01-seen.toml, step 1: the id '' must be"),
         ("*in place*.](#", "[in place].](#", "01-seen.toml, step 1: write a claim as"),
         ('"Nothing."', '"[None.](#both-in-place)"', "01-seen.toml: the id 'both-in-place' is there twice; change one"),
+        (
+            "hidden = [",
+            "[steps.change]\nhidden = [",
+            "01-seen.toml, step 1: give \\[steps.page\\] or 'change', not both",
+        ),
+        (
+            "[steps.page]\nrotation = 20\n",
+            "[steps.change]\n",
+            "01-seen.toml, step 1: 'page' is missing; the first step",
+        ),
+        ('"turned"', '"upside-down"', "01-seen.toml: unknown preset 'upside-down'; known: defaults, .*turned"),
+        ('"Maps"', '"Map"', "01-seen.toml, step 1: unknown tab 'Map'; known: Histograms, .*Maps"),
+        ('"noise"\nmarks', '"nose"\nmarks', "01-seen.toml, step 1: unknown sweep 'nose'; known: noise, .*translation"),
+        ("end = true", "end = 1", "01-seen.toml, step 1: 'end' must be true or false, not 1"),
+        ('["scene"]', '["scenes"]', "01-seen.toml, step 1: unknown mark 'scenes'; known: model point, .*scene"),
+        ("[1, -1, 0.5]", "[1, -1]", "01-seen.toml, step 1: 'camera' must be a direction of three numbers"),
+        ("[1, -1, 0.5]", "[0, 0, 0]", "01-seen.toml, step 1: 'camera' must be a direction"),
+        ("[1, -1, 0.5]", '[1, -1, "up"]', "01-seen.toml, step 1: 'camera' must be a direction"),
+        ("seed = [1, 2]", "sed = [1, 2]", "01-seen.toml, step 1: a control is a name"),
+        ('["DO", "Both"]', '["Both"]', "01-seen.toml, step 2, guess: 'answers' must be two or more"),
+        ('["DO", "Both"]', '["DO", "Both", "DO"]', "01-seen.toml, step 2, guess: the answer 'DO' is there twice"),
+        ('right = "Both"', 'right = "DO!"', "01-seen.toml, step 2, guess: unknown right 'DO!'; known: DO, Both"),
+        ('right = "Both"', "", "01-seen.toml, step 2, guess: 'right' is missing; give text in quotes"),
+        ("#so-it-is", "#both-in-place", "01-seen.toml: the id 'both-in-place' is there twice; change one"),
         (LESSON, 'title = "Seen"\nsteps = []', r"01-seen.toml: there is no step; begin one with \[\[steps\]\]"),
         (LESSON, 'title = "Seen"\nsteps = [1]', "01-seen.toml, step 1: must be a table, not 1"),
     ],
@@ -167,7 +247,7 @@ def test_a_file_that_is_not_in_utf_8_is_told(tmp_path: Path):
         ("good = false", 'good = "no"', "presets.toml, preset 1: 'good' must be true or false, not 'no'"),
         ("translation = 0.9", "translation = 9", "presets.toml, preset 1: translation must lie between 0 and 1"),
         ("[presets.page]\ntranslation = 0.9", "", "presets.toml, preset 1: 'page' is missing; give a table"),
-        (PRESETS, "", "presets.toml: 'presets' is missing; give an array of tables"),
+        (PRESETS, "", "presets.toml: 'presets' is missing; give an array"),
     ],
 )
 def test_a_mistake_in_presets_is_told(tmp_path: Path, right: str, wrong: str, message: str):

@@ -1,30 +1,43 @@
-"""The lessons: every claim of their texts holds for the page beside it, and the folder opens those pages."""
+"""The lessons: they are short, and every claim of their texts holds for the page beside it."""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Callable, Iterator
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
-import viser
 from checks import CHECKS, NAMES
-from checks.helpers import Check, both_in_place, both_wrong, mean, means, paper_says, run_of
+from checks.helpers import (
+    BOTH,
+    LEFT,
+    RIGHT,
+    Check,
+    both_in_place,
+    both_wrong,
+    ends,
+    mean,
+    means,
+    paper_says,
+    rotation_error,
+    run_of,
+)
 
 from ido import Perturbation
+from ido_viz.core.frame import frame_of
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import Run
 from ido_viz.core.state import LAST, State, StateError, decode, encode
-from ido_viz.teach.lesson_folder import NONE, LessonFolder
+from ido_viz.core.verdict import Verdict
+from ido_viz.teach.lesson_folder import NONE
 from ido_viz.teach.lessons import Step, lesson, lessons, step_named, step_of
+from ido_viz.teach.marks import pointers
 
-DEFAULT = State()
-MOST_WORDS = 90
-"""Longest text of a step."""
+MOST_WORDS = 30
+"""Longest text that is shown at once."""
 
 STEPS = {f"{each.name}-{i + 1}": step for each in lessons() for i, step in enumerate(each.steps)}
+ASKING = {name: step for name, step in STEPS.items() if step.guess is not None}
 CLAIMS = {f"{each.name}/{claim.id}": step for each in lessons() for step in each.steps for claim in step.claims}
 
 
@@ -38,25 +51,82 @@ def test_every_claim_has_one_check_and_every_check_its_claim() -> None:
 @pytest.mark.parametrize(("name", "step"), CLAIMS.items(), ids=CLAIMS)
 def test_every_claim_holds(name: str, step: Step) -> None:
     assert name in CHECKS, f"add a check of {name} in tests/helpers/checks"
-    assert CHECKS[name](run_of(step.state)) is True
+    assert CHECKS[name](run_of(step.shown)) is True
+
+
+def words(text: str) -> list[str]:
+    """The words of a text as they are shown: numbers and symbols such as ε are words, signs such as = are none."""
+    return [word for word in text.replace("*", "").split() if re.search(r"\w", word)]
+
+
+def test_words_are_counted_as_they_are_shown() -> None:
+    assert words("**Yes.** Front / *back*: ε = 0.005, φz at -0.22.") == [
+        *("Yes.", "Front", "back:", "ε", "0.005,", "φz", "at", "-0.22.")
+    ]
 
 
 @pytest.mark.parametrize("step", STEPS.values(), ids=STEPS)
 def test_a_step_is_short_and_its_page_can_be_opened_and_shared(step: Step) -> None:
-    assert 20 <= len(step.text.split()) <= MOST_WORDS
-    assert all(claim.text in step.text for claim in step.claims)
-    assert shipped_library().checked(step.state) == step.state
-    assert decode(encode(step.state)) == step.state
-    assert step.state.iteration <= max(side.trajectory.iterations for side in run_of(step.state).sides)
-    assert not (step.state.iteration == LAST and step.state.playing)
+    texts = [step.text] if step.guess is None else [step.text, step.guess.text]
+    for text in texts:
+        assert len(words(text)) <= MOST_WORDS
+    assert all(any(claim.text in text for text in texts) for claim in step.claims)
+    for state in (step.state, step.shown):
+        assert shipped_library().checked(state) == state
+        assert decode(encode(state)) == state
+        assert state.iteration <= max(side.trajectory.iterations for side in run_of(state).sides)
+        assert not (state.iteration == LAST and state.playing)
+
+
+@pytest.mark.parametrize("step", STEPS.values(), ids=STEPS)
+def test_what_a_step_points_at_is_on_its_page(step: Step) -> None:
+    shown = frame_of(run_of(step.state), step.state)
+    for mark in step.marks:
+        assert pointers(shown, (mark,)), f"nothing to point at: {mark}"
+    if step.tab is not None and step.tab in step.text:
+        assert f"**{step.tab}**" in step.text, "what the page shows is bold"
+    for named in re.findall(r"\*\*(\w+)\*\*", step.text):
+        assert named == step.tab, f"{named} is named, but not opened"
+
+
+@pytest.mark.parametrize(("name", "step"), ASKING.items(), ids=ASKING)
+def test_nothing_plays_before_a_guess(name: str, step: Step) -> None:
+    assert step.guess is not None
+    assert not step.state.playing
+    assert step.state.iteration == 0
+    assert step.guess.right in step.guess.answers
+    assert step.tab == "Maps", "the curves of Errors and Compare would tell the end"
+
+
+VERDICTS: dict[tuple[str, ...], tuple[str, str]] = {
+    ("DO", "Improved DO", "Both", "Neither"): ("DO", "Improved DO"),
+    ("DO", "GMMReg, tuned", "Both", "Neither"): ("DO", "GMMReg, tuned"),
+    ("The left one", "The right one", "Both", "Neither"): ("The left one", "The right one"),
+}
+"""What is asked of a scene, with the names of its left and right pane."""
+
+
+@pytest.mark.parametrize(("name", "step"), ASKING.items(), ids=ASKING)
+def test_the_right_answer_is_right(name: str, step: Step) -> None:
+    assert step.guess is not None
+    run = run_of(step.guess.state)
+    if step.guess.answers not in VERDICTS:  # asked once
+        assert name == "two-more-1"
+        errors = [rotation_error(run, side, step.guess.state.iteration) for side in BOTH]
+        assert errors[RIGHT] < errors[LEFT]
+        assert step.guess.right == "Improved DO"
+        return
+    names = VERDICTS[step.guess.answers]
+    in_place = [name for side, name in zip(BOTH, names, strict=True) if ends(Verdict.IN_PLACE, side)(run)]
+    assert step.guess.right == {0: "Neither", 1: "".join(in_place), 2: "Both"}[len(in_place)]
 
 
 def test_lessons_have_their_own_names_titles_and_pages() -> None:
-    states = [step.state for step in STEPS.values()]
-    for values in ([each.name for each in lessons()], [each.title for each in lessons()], states):
+    for values in ([each.name for each in lessons()], [each.title for each in lessons()]):
         assert len(set(values)) == len(values)
-    assert all(2 <= len(each.steps) <= 5 for each in lessons())
-    assert all(step.claims for step in STEPS.values())
+    of_lessons = [{step.state for step in each.steps} for each in lessons()]
+    assert sum(map(len, of_lessons)) == len(set[State]().union(*of_lessons)), "a page stands in two lessons"
+    assert all(any(step.claims for step in each.steps) for each in lessons())
     assert NONE not in [each.title for each in lessons()]
 
 
@@ -101,7 +171,7 @@ def test_a_lesson_is_found_by_name() -> None:
 
 def test_a_step_is_found_by_its_page() -> None:
     dark = lesson("dark")
-    assert step_of(dark.steps[1].state) == (dark, 1)
+    assert step_of(dark.steps[3].state) == (dark, 3)
     assert step_of(State()) is None
 
 
@@ -115,88 +185,3 @@ def test_a_step_is_found_by_its_name() -> None:
             step_named(name)
     with pytest.raises(StateError, match="unknown lesson"):
         step_named("/1")
-
-
-class Student:
-    """Uses the folder as a browser would, and notes the pages that it opens."""
-
-    def __init__(self, gui: viser.GuiApi, state: State) -> None:
-        self.opened: list[State] = []
-        self.times_left = 0
-        self.folder = LessonFolder(gui, self.opened.append, state, 0, self._leave)
-
-    def _leave(self) -> None:
-        self.times_left += 1
-
-    def _send(self, handle: Any, value: str) -> None:
-        handle._impl.value = value
-        for callback in handle._impl.update_cb:
-            callback(SimpleNamespace(target=handle, client=object()))
-
-    def choose(self, title: str) -> None:
-        self._send(self.folder._menu, title)
-
-    def press(self, button: str) -> None:
-        assert button in self.folder._buttons.options
-        self._send(self.folder._buttons, button)
-
-    @property
-    def shown(self) -> tuple[str, str]:
-        return self.folder._text.content, self.folder._count.content
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    yield server
-    server.stop()
-
-
-@pytest.fixture
-def student(server: viser.ViserServer) -> Iterator[Callable[..., Student]]:
-    server.gui.reset()
-    yield lambda state=DEFAULT: Student(server.gui, state)
-    server.gui.reset()
-
-
-def test_nothing_is_opened_before_a_lesson_is_chosen(student: Callable[..., Student]) -> None:
-    at_desk = student()
-    assert at_desk.folder._menu.value == NONE
-    assert not at_desk.folder._buttons.visible
-    at_desk.press("Next")
-    assert at_desk.opened == []
-
-
-def test_a_student_walks_through_every_lesson(student: Callable[..., Student]) -> None:
-    at_desk = student()
-    for each in lessons():
-        at_desk.opened.clear()
-        at_desk.choose(each.title)
-        for number, step in enumerate(each.steps):
-            assert at_desk.shown == (step.text, f"*Step {number + 1} of {len(each.steps)}*")
-            at_desk.press("Next")  # at the last one it does nothing
-        assert at_desk.opened == [step.state for step in each.steps]
-
-
-def test_back_and_again(student: Callable[..., Student]) -> None:
-    at_desk, dark = student(), lesson("dark")
-    at_desk.choose(dark.title)
-    for button in ("Back", "Again", "Next", "Again", "Back"):
-        at_desk.press(button)
-    assert at_desk.opened == [dark.steps[i].state for i in (0, 0, 1, 1, 0)]
-    assert (at_desk.folder.step, at_desk.times_left) == ("dark/1", 0)
-    at_desk.choose(NONE)
-    assert (at_desk.folder.step, at_desk.times_left) == ("", 1)
-    assert not at_desk.folder._buttons.visible
-    assert len(at_desk.opened) == 5
-
-
-def test_a_page_of_a_step_begins_with_its_lesson(student: Callable[..., Student]) -> None:
-    dark = lesson("dark")
-    at_desk = student(dark.steps[1].state)
-    assert at_desk.folder._menu.value == dark.title
-    assert at_desk.shown == (dark.steps[1].text, "*Step 2 of 4*")
-    assert at_desk.opened == []
-    at_desk.press("Next")
-    assert at_desk.opened == [dark.steps[2].state]
-    assert student(State()).folder._menu.value == NONE

@@ -1,0 +1,44 @@
+"""What viser cannot be told from Python, done by the page itself: opening a tab, and keys that also move the camera.
+
+viser shows HTML as it is, so a picture that cannot be loaded runs what stands in its ``onerror``, once.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+
+_OPEN = """for (const tab of document.querySelectorAll('[role=tab]')) {
+  if (tab.textContent.trim() !== %s) continue;
+  tab.click();
+  tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+  const group = tab.closest('[data-dock-group]');
+  setTimeout(() => group?.querySelectorAll('.mantine-ScrollArea-viewport').forEach(
+    shown => shown.scrollTo({top: %s ? shown.scrollHeight : 0})), 300);
+}"""
+"""A docked tab takes the key Enter, one on a phone the click. A tab that was never open is drawn before it scrolls."""
+
+_ARROWS = """window.lessonKeys ??= (window.addEventListener('keydown', event => {
+  const key = {ArrowLeft: 'PageUp', ArrowRight: 'PageDown'}[event.key];
+  if (!key || event.ctrlKey || event.altKey || event.metaKey || event.shiftKey) return;
+  if (!document.querySelector('.lesson')) return;
+  if (event.target.closest?.('input, textarea, [role=slider], [role=tab], [role=dialog]')) return;
+  event.stopPropagation();
+  event.preventDefault();
+  event.target.dispatchEvent(new KeyboardEvent('keydown', {key, code: key, bubbles: true}));
+}, true), true)"""
+"""While a lesson is shown, the arrows are the keys of a clicker; sliders, tabs and fields keep them."""
+
+
+def open_tab(name: str, turn: int, *, at_end: bool) -> str:
+    """HTML that opens a tab by its name, at its start or its end; another `turn` opens it again."""
+    return _run(_OPEN % (json.dumps(name), json.dumps(at_end)), turn)
+
+
+def arrows_turn_pages() -> str:
+    """HTML that gives the left and right arrow the meaning of the keys PageUp and PageDown."""
+    return _run(_ARROWS, 0)
+
+
+def _run(script: str, turn: int) -> str:
+    return f'<img alt="" hidden data-turn="{turn}" src="data:," onerror="{html.escape(script)}">'
