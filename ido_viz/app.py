@@ -6,6 +6,7 @@ import secrets
 import socket
 import threading
 from collections.abc import Collection
+from dataclasses import replace
 from urllib.parse import parse_qs, urlsplit
 
 import viser
@@ -110,10 +111,10 @@ class App:
 
     def _asked(self, request: Request) -> tuple[State, str, str]:
         """The state and the lesson's step that a page's address asks for, and what is wrong with it, if anything."""
-        text = parse_qs(urlsplit(request.path).query).get("fragment", [""])[0]
+        asked = parse_qs(urlsplit(request.path).query)
         try:
-            fragment = read_fragment(text)
-            state = self._state
+            fragment = read_fragment(asked.get("fragment", [""])[0])
+            state = replace(self._state, dark=True) if "dark" in asked else self._state  # as the browser prefers it
             if fragment.step:
                 lesson, number = step_named(fragment.step)
                 state = lesson.steps[number].state

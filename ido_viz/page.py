@@ -19,9 +19,11 @@ from ido_viz.panels.controls import Controls
 from ido_viz.panels.errors_tab import ErrorsTab
 from ido_viz.panels.help_tab import HelpTab
 from ido_viz.panels.histograms_tab import HistogramsTab
+from ido_viz.panels.in_browser import open_tab
 from ido_viz.panels.inside_panel import InsidePanel
 from ido_viz.panels.inspect_tab import InspectTab
 from ido_viz.panels.maps_tab import MapsTab
+from ido_viz.panels.picking import Picking
 from ido_viz.panels.placing import Placing
 from ido_viz.panels.sweeps_tab import SweepsTab
 from ido_viz.panels.training_tab import TrainingTab
@@ -81,6 +83,9 @@ class Page:
             self._inspect = InspectTab(gui, state, actions.inspect)
         with self._controls.tabs["Learn"]:
             self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, state, step)
+        Picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
+        self._opener = gui.add_html("")
+        self._opened = 0
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
         self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
@@ -136,6 +141,11 @@ class Page:
         self._canvas.draw(frame, lifted=self._lessons.is_open or frame.inside is not None)
         self._inside.draw(frame)
         self._controls.show_iteration(frame)
+
+    def open_tab(self, name: str) -> None:
+        """Open a tab of the charts."""
+        self._opened += 1
+        self._opener.content = open_tab(name, self._opened, at_end=False)
 
     def move(self, frame: Frame) -> None:
         """Move both scenes to where a frame has them, and nothing else."""

@@ -188,6 +188,32 @@ class Session:
         found = point_at(run, origin, direction) if run else None
         if found:
             self._change(lambda state: replace(state, inspected_pane=found[0], inspected=found[1]))
+            self._open_inspect()
+        else:
+            self._clear()
+
+    def _clear(self) -> None:
+        if self._state.inspected != NO_POINT or self._state.scene_point != NO_POINT:
+            self._change(lambda state: replace(state, inspected=NO_POINT, scene_point=NO_POINT))
+
+    def _open_inspect(self) -> None:
+        if self._page is not None:
+            self._page.open_tab("Inspect")
+
+    def _pick(self, kind: str, pane: int, place: float) -> None:
+        drawn = self._drawn
+        if drawn is None:
+            return
+        side = drawn.sides[pane]
+        count = side.run.histogram.n_bins
+        order = side.order if kind == "shown" else side.map_order
+        number = min(int(place), count - 1) if kind == "bin" else int(order[min(int(place * count), count - 1)])
+        block, point = divmod(number, 2 * len(side.run.histogram.model.points))
+        question = side.run.histogram.blocks[block].name
+        picked = {"inspected_pane": get_args(Pane)[pane], "inspected": point % len(side.run.histogram.model.points)}
+        self._change(lambda state: replace(state, **picked, question=question))
+        if kind != "bin":
+            self._open_inspect()
 
     def _grab(self, pane: int, phase: str, T_handles: FloatArray) -> None:
         start = None if self._drawn is None else self._hand.start_pose(self._drawn, pane, phase, T_handles)
@@ -352,6 +378,8 @@ class Session:
             inspect=self._inspect,
             set_values=self._set_values,
             click=self._click,
+            pick=self._pick,
+            clear=self._clear,
             grab=self._grab,
             look=self._look,
             look_inside=self._look_inside,

@@ -40,6 +40,9 @@ class Actions:
     """Called with values by their names in `VALUES`."""
     click: Callable[[FloatArray, FloatArray], None]
     """Called with origin and direction of the ray of a click in the 3D view."""
+    pick: Callable[[str, int, float], None]
+    """Called with the kind, the pane and the place of a click into a picture of bins, as `panels.picking` has them."""
+    clear: Callable[[], None]
     grab: Callable[[int, str, FloatArray], None]
     """Called with a pane's number, the phase of a gesture (start, update, end) and where its handles are, (4, 4)."""
     look: Callable[[tuple[float, ...]], None]

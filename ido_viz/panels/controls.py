@@ -76,6 +76,7 @@ class Controls:
             ("Reset view", "V", actions.reset_view),
         ):
             gui.add_command(label, hotkey=key).on_trigger(plain(act))  # type: ignore[arg-type]
+        gui.add_command("Clear the selection", hotkey="escape").on_trigger(plain(actions.clear))
         gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl").on_trigger(plain(actions.undo))
         gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift").on_trigger(plain(actions.redo))
 

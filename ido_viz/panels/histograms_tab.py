@@ -70,7 +70,8 @@ class _HistogramChart:
         seen_by = "histogram" if run.maps else f"as {html.escape(run.histogram.name)} sees it,"
         if run.waiting:
             seen_by = f"is not there yet; until then {seen_by}"
-        self._caption.content = caption(f"<b>{method_span(run.method, state.dark)}</b> {seen_by} {what}")
+        name = f'<b data-histogram="{side.pane}">{method_span(run.method, state.dark)}</b>'
+        self._caption.content = caption(f"{name} {seen_by} {what}")
 
 
 def _style(side: SideFrame, state: State) -> tuple[list[Any], dict[str, Any], list[Any]]:

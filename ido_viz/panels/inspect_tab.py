@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable
 from typing import Any, get_args
 
@@ -73,6 +74,10 @@ class InspectTab:
             "bins that lead astray most.",
         )
         self._bins.on_update(lambda event: self._choose(event.target.value, change) if event.client else None)
+        self._sort = gui.add_dropdown(
+            "List by", tuple(LISTED_BY), initial_value="share", hint="How the list of the strongest bins is sorted."
+        )
+        self._sort.on_update(lambda event: change({}) if event.client else None)
         self._tables = gui.add_html("")
 
     def _choose(self, text: str, change: Change) -> None:
@@ -92,7 +97,7 @@ class InspectTab:
         if inspection is None:
             content, bins = caption("This method has no histogram and no maps to look into."), ()
         else:
-            content = tables_html(inspection, state)
+            content = tables_html(inspection, state) + bins_html(inspection, self._sort.value)
             bins = tuple(bin_label(inspection, int(number)) for number in inspection.strongest)
         if self._tables.content != content:
             self._tables.content = content
@@ -129,6 +134,39 @@ def tables_html(inspection: Inspection, state: State) -> str:
     else:
         parts.append(caption("Click a point of the model in the 3D view to see its bins."))
     return "".join(parts)
+
+
+LISTED_BY: dict[str, Callable[[Inspection, int], float]] = {
+    "share": lambda inspection, j: -abs(inspection.values[j]),
+    "bin": lambda inspection, j: -inspection.seen[j],
+    "off the reference": lambda inspection, j: -abs(inspection.seen[j] - inspection.side.histogram.reference[j]),
+    "model point": lambda inspection, j: j % len(inspection.side.histogram.model.points),
+}
+"""What the list of the strongest bins can be sorted by, and the key of it."""
+
+
+def bins_html(inspection: Inspection, by: str) -> str:
+    """The strongest bins as a table; a click on a row picks its bin."""
+    histogram = inspection.side.histogram
+    rows = []
+    for number in sorted(map(int, inspection.strongest), key=lambda j: LISTED_BY[by](inspection, j)):
+        side, point = bin_name(histogram, number)
+        cells = (f"{inspection.seen[number]:.4f}", f"{histogram.reference[number]:.4f}")
+        picked = "background:rgba(240,228,66,.35);" if point == inspection.point else ""
+        rows.append(
+            f'<tr data-bin="{number}" data-pane="{inspection.pane}" style="cursor:pointer;{picked}">'
+            f"<td>{point} {html.escape(side)}</td>"
+            + "".join(f'<td style="text-align:right">{c}</td>' for c in (*cells, f"{inspection.values[number]:+.4f}"))
+            + "</tr>"
+        )
+    head = "".join(
+        f'<th style="text-align:{"left" if i == 0 else "right"}">{name}</th>'
+        for i, name in enumerate(("strongest bins: click one", "bin", "reference", "share"))
+    )
+    return (
+        '<table class="bins" style="width:calc(100% - 16px);margin:8px 8px 6px 8px;font-size:0.7rem;line-height:1.5;'
+        f'font-variant-numeric:tabular-nums;border-collapse:collapse"><tr>{head}</tr>{"".join(rows)}</table>'
+    )
 
 
 _WHAT = {"height": "its length", "whole update": "its length", "towards the truth": "right way"}

@@ -69,7 +69,7 @@ def _shown_html(side: SideFrame, state: State) -> str:
         return no_maps(run, state.dark)
     title = f"<b>{method_span(run.method, state.dark)}</b> map {side.shown_map} of {len(run.maps.maps)}"
     title += " (pinned)" if state.pinned_map else ""
-    return heatmap_html(run.maps, side.shown_map, side.order, title, state.inspected)
+    return heatmap_html(run.maps, side.shown_map, side.order, title, state.inspected, ("shown", side.pane))
 
 
 def _compared_html(frame: Frame) -> str:
@@ -89,7 +89,8 @@ def _compared_html(frame: Frame) -> str:
             maps = side.run.maps
             if maps is not None and number in _compared_numbers(side):
                 title = f"{method_span(side.run.method, frame.state.dark)} map {number}"
-                parts.append(heatmap_html(maps, number, side.map_order, title, frame.state.inspected))
+                clicked = ("compared", side.pane)
+                parts.append(heatmap_html(maps, number, side.map_order, title, frame.state.inspected, clicked))
     return "".join(parts)
 
 
@@ -99,7 +100,9 @@ def _compared_numbers(side: SideFrame) -> set[int]:
     return {min(number, count) for number in COMPARED} - {0}
 
 
-def heatmap_html(maps: Maps, number: int, order: np.ndarray, title: str, marked: int = NO_POINT) -> str:
+def heatmap_html(
+    maps: Maps, number: int, order: np.ndarray, title: str, marked: int = NO_POINT, clicked: tuple[str, int] = ("", 0)
+) -> str:
     """A map as a picture with named rows and blocks; `title` is HTML.
 
     Args:
@@ -108,6 +111,7 @@ def heatmap_html(maps: Maps, number: int, order: np.ndarray, title: str, marked:
         order: of the bins, from left to right.
         title: HTML.
         marked: number of a model point whose bins are marked.
+        clicked: kind and pane of a click into it, as `picking.Click` has them.
     """
     source, scale = _picture(maps, number, order.tobytes())
     rows = "".join(f'<div style="height:{_ROW}px">{name}</div>' for name in PARAMETERS)
@@ -120,7 +124,8 @@ def heatmap_html(maps: Maps, number: int, order: np.ndarray, title: str, marked:
     return (
         caption(f'{title}<span style="float:right">-{scale:.2g} {_KEY} {scale:.2g}</span>')
         + f'<div style="display:flex;margin:2px 8px 0 8px;font-size:0.625rem;line-height:{_ROW}px">'
-        f'<div style="width:20px">{rows}</div><div style="position:relative;width:calc(100% - 20px)">'
+        f'<div style="width:20px">{rows}</div><div data-heatmap="{clicked[0]}" data-pane="{clicked[1]}" '
+        'style="position:relative;width:calc(100% - 20px);cursor:pointer">'
         f'<img alt="heatmap of the map" src="{source}" style="width:100%;height:{6 * _ROW}px;display:block">'
         f"{_marks(order, len(maps.histogram.model.points), marked)}</div></div>"
         f'<div style="display:flex;margin:1px 8px 4px 28px;font-size:0.625rem;line-height:1.2">{names}</div>'

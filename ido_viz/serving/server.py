@@ -3,7 +3,7 @@
 viser makes its web server in one call of `websockets.asyncio.server.serve`, and that call is all we change: while a
 viser server is made, ours stands in its place. It hands on everything, with a socket that listens already, looks at
 each request before viser sees it, remembers it for `current_request`, bounds what browsers send, and serves viser's
-page with `address.js` in it, which tells what that does for the address.
+page with two scripts in it: `address.js` for the address, and `page.js` for what viser's page lacks.
 """
 
 from __future__ import annotations
@@ -117,9 +117,10 @@ def _page(request: Request) -> Response:
 
 @cache
 def _packed_page() -> bytes:
-    """viser's page with our script before its own."""
+    """viser's page with our scripts before its own."""
     before, head, after = (
         (Path(viser.__file__).parent / "client/build/index.html").read_text("utf-8").partition("<head>")
     )
-    script = (Path(__file__).parent / "address.js").read_text("utf-8")
-    return gzip.compress(f"{before}{head}<script>{script}</script>{after}".encode())
+    scripts = ((Path(__file__).parent / name).read_text("utf-8") for name in ("address.js", "page.js"))
+    ours = "".join(f"<script>{script}</script>" for script in scripts)
+    return gzip.compress(f"{before}{head}{ours}{after}".encode())

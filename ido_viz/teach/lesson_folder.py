@@ -48,7 +48,7 @@ class LessonFolder:
         self._place = None if begun is None else Place(*begun)
         self._before = State() if self._place is not None else state
         self._lock = threading.RLock()  # clicks may come on several threads
-        self.folder = gui.add_folder("Lessons")
+        self.folder = gui.add_folder("Lessons", order=-1)  # above the presets
         with self.folder:
             self._menu = gui.add_dropdown(
                 "Lesson",

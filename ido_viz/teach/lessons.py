@@ -137,7 +137,7 @@ def _lesson(name: str, file: Path) -> Lesson:
 def _step(table: object, where: str, before: State | None) -> Step:
     optional = {"page": dict, "change": dict, "guess": dict, "control": object, **_OF_LOOK}
     values = checked(table, where, {"text": str}, optional)
-    state = replace(_state(values, where, before), camera=_camera(values, where))
+    state = replace(_state(values, where, before), camera=_camera(values, where), handles=False)
     text, claims = read_claims(values["text"], where)
     guess = None
     if "guess" in values:

@@ -10,7 +10,7 @@ import viser
 from ido_viz.core.actions import Actions
 from ido_viz.core.frame import Frame
 from ido_viz.core.state import State
-from ido_viz.teach.in_browser import arrows_turn_pages, open_tab
+from ido_viz.panels.in_browser import arrows_turn_pages, open_tab
 from ido_viz.teach.marks import Marks, pointers
 from ido_viz.teach.step_control import ControlView
 from ido_viz.teach.walk import Place
