@@ -142,6 +142,10 @@ class Page:
         self._inside.draw(frame)
         self._controls.show_iteration(frame)
 
+    def renew_charts(self) -> None:
+        """Make the charts anew with the next frame, now that the page has its size."""
+        self._histograms.renew()
+
     def open_tab(self, name: str) -> None:
         """Open a tab of the charts."""
         self._opened += 1

@@ -98,6 +98,7 @@ class Session:
         self._comparison = Comparison(library, self._wake)
         self._clock = Clock(max(state.iteration, 0))
         self._first_look = False  # whether a page that plays has yet to be seen
+        self._charts_are_old = False  # those of a page that had no size yet
         self._in_hand = False  # whether what is waited for is the end of a change
         self._history = History(state)
         self._hand = Hand()
@@ -231,6 +232,8 @@ class Session:
             if self._first_look and self._clock.waits:  # nobody has stepped or changed anything yet
                 self._clock.start(0.0, FIRST_LOOK)
             self._first_look = False
+            self._charts_are_old = True
+        self._wake()
 
     def _undo(self) -> None:
         self._go_to(History.undone)
@@ -493,6 +496,9 @@ class Session:
                 self._drawn = frame
             return
         with self._client.atomic():
+            if self._charts_are_old:
+                page.renew_charts()
+                self._charts_are_old = False
             page.draw(frame, self._comparison, may_cancel=self._live.slow)
             self._drawn = frame
             if not self._dirty:  # the slider may have been dragged on meanwhile

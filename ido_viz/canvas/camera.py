@@ -13,7 +13,7 @@ from ido.types import DoubleArray
 from ido_viz.core.geometry import VIEW_DIRECTION
 from ido_viz.core.state import FARTHEST, NO_CAMERA
 
-_WIDTH = 5.15  # of both panes, model units: the camera steps back until they fit
+_WIDTH = 5.4  # of both panes, model units: the camera steps back until they fit
 _HEIGHT = 3.1  # of a pane, with room for what is written above and below it
 _PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
 _PATIENCE = 3.0  # seconds in which a page gets to the place that it was sent

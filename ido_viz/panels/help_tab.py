@@ -7,7 +7,7 @@ import viser
 _HELP = """
 **Two methods register the same scene**, side by side. The scene is a copy of the grey *model* that was turned, moved,
 made noisy, cut off and mixed with outliers. Each method has to find the way back, step by step, to where the green
-points are. Press **Play**, then drag a slider on the left.
+markers are. Press **Play**, then drag a slider on the left, or the cloud itself by its rings and arrows.
 
 **How they move.** At every iteration a method looks at the scene through a *histogram*, and a learned *map* turns what
 it sees into the next update of the pose: `x ← x - D · h(x)`. There are 30 maps; the last one is repeated until the
