@@ -32,6 +32,9 @@ class Canvas:
         scene = client.scene
         scene.on_click()(lambda event: actions.click(np.array(event.ray_origin), np.array(event.ray_direction)))
         scene.set_up_direction("+z")
+        scene.configure_environment_map(None)  # reflections and shadows show nothing here, and halve the frames
+        scene.configure_default_lights(cast_shadow=False)
+        scene.add_light_ambient("/ambient", intensity=1.2)
         self._panes = [PaneView(scene, pane, partial(actions.grab, pane)) for pane in range(2)]
         self._camera = Camera(client.camera, actions.look, actions.seen)
 

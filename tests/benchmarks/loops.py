@@ -1,4 +1,4 @@
-"""Speed of the loops that matter, each beside a peer in the same run: `python tests/benchmark.py`.
+"""Speed of the loops that matter, each beside a peer in the same run: `python tests/benchmarks/loops.py`.
 
 Close other programs first: on a busy machine only the ratios mean something.
 """
