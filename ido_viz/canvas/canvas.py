@@ -34,7 +34,7 @@ class Canvas:
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)  # reflections and shadows show nothing here, and halve the frames
         scene.configure_default_lights(cast_shadow=False)
-        scene.add_light_ambient("/ambient", intensity=1.2)
+        scene.add_light_ambient("/ambient", intensity=0.4)
         self._panes = [PaneView(scene, pane, partial(actions.grab, pane)) for pane in range(2)]
         self._camera = Camera(client.camera, actions.look, actions.seen)
 
