@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from ido.clouds import Cloud, Orientation, load_cloud
+from ido.clouds import Cloud, Orientation
+from ido.files import load_cloud
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps
 from ido.perturbation import OutlierKind

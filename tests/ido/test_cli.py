@@ -13,8 +13,9 @@ import open3d as o3d
 import pytest
 
 from ido import Cloud, Maps, Perturbation, cli, load_cloud, perturb, poses, shipped_maps, train
-from ido.clouds import Frame, save_cloud
+from ido.clouds import Frame
 from ido.experiments import mean_and_interval, sweep
+from ido.files import save_cloud
 from ido.types import FloatArray
 
 FRAME = Frame(np.array([1000.0, -200.0, 50.0]), 37.0)

@@ -1,0 +1,95 @@
+"""Writing clouds: every point, in order, with the columns and faces that the format has room for."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ido.disk import written_beside
+from ido.files.cloud_file import CloudFile
+from ido.types import FloatArray
+
+SUFFIXES = (".ply", ".xyz")
+"""Endings of the files that are written."""
+
+_PLY_TYPES = {
+    "i1": "char",
+    "u1": "uchar",
+    "i2": "short",
+    "u2": "ushort",
+    "i4": "int",
+    "u4": "uint",
+    "f4": "float",
+    "f8": "double",
+}
+
+
+def save_cloud(path: str | Path, cloud: CloudFile | FloatArray) -> None:
+    """Write points (N, 3), or all of a file that was read, to a PLY or XYZ file without losing digits.
+
+    It is written whole or not at all. XYZ has no room for faces.
+
+    Raises:
+        ValueError: the file's name ends in something else.
+        OSError: it cannot be written.
+    """
+    path = Path(path)
+    file = cloud if isinstance(cloud, CloudFile) else CloudFile(np.asarray(cloud, dtype=np.float64))
+    if path.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{path}: the name must end in {' or '.join(SUFFIXES)}")
+    with written_beside(path) as temporary:
+        (_write_xyz if path.suffix.lower() == ".xyz" else _write_ply)(temporary, file)
+
+
+def _write_xyz(path: Path, file: CloudFile) -> None:
+    columns = {name: _storable(values) for name, values in file.columns.items()}
+    formats = ["%.12g"] * 3 + ["%d" if values.dtype.kind in "iu" else "%.17g" for values in columns.values()]
+    names = " ".join(["x", "y", "z", *map(_word, columns)]) if columns else ""
+    table = np.empty(len(file.points), dtype=[(f"{i}", "f8") for i in range(3)] + _fields(columns))
+    for i in range(3):
+        table[f"{i}"] = file.points[:, i]
+    for i, values in enumerate(columns.values(), start=3):
+        table[f"{i}"] = values
+    np.savetxt(path, table, fmt=formats, header=names)
+
+
+def _fields(columns: dict[str, np.ndarray]) -> list[tuple[str, str]]:
+    return [(f"{i}", values.dtype.str) for i, values in enumerate(columns.values(), start=3)]
+
+
+def _write_ply(path: Path, file: CloudFile) -> None:
+    columns = {name: _storable(values) for name, values in file.columns.items()}
+    columns = {"x": file.points[:, 0], "y": file.points[:, 1], "z": file.points[:, 2], **columns}
+    kinds = [values.dtype.str[1:] for values in columns.values()]
+    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(file.points)}"]
+    lines += [f"property {_PLY_TYPES[kind]} {_word(name)}" for kind, name in zip(kinds, columns, strict=True)]
+    faces = np.empty(0 if file.faces is None else len(file.faces), dtype=[("n", "u1"), ("corners", "<i4", (3,))])
+    if file.faces is not None:
+        lines += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+        faces["n"], faces["corners"] = 3, file.faces
+    rows = np.empty(len(file.points), dtype=[(f"{i}", f"<{kind}") for i, kind in enumerate(kinds)])
+    for i, values in enumerate(columns.values()):
+        rows[f"{i}"] = values
+    with path.open("wb") as out:
+        out.write(("\n".join([*lines, "end_header"]) + "\n").encode("ascii"))
+        out.write(rows.data)
+        out.write(faces.data)
+
+
+def _storable(values: np.ndarray) -> np.ndarray:
+    """Values in a type that PLY has; whole numbers that need 64 bits become the nearest doubles."""
+    if values.dtype.kind == "b":
+        return values.astype("u1")
+    if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
+        low, high = (int(values.min()), int(values.max())) if len(values) else (0, 0)
+        return values.astype("i4" if low >= -(2**31) and high < 2**31 else "f8")
+    if values.dtype.kind == "f" and values.dtype.itemsize not in (4, 8):
+        return values.astype("f4" if values.dtype.itemsize < 4 else "f8")
+    return values.astype(values.dtype.newbyteorder("="))
+
+
+def _word(name: str) -> str:
+    """A name without what would end it in a head."""
+    return re.sub(r"[^!-~]+", "_", name.strip()) or "_"
