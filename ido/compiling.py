@@ -49,7 +49,7 @@ def _forgive(kept: Any) -> None:
     def save_overload(*args: Any) -> None:
         try:
             save(*args)
-        except OSError:
+        except Exception:
             _tell()
 
     kept.load_overload, kept.save_overload = load_overload, save_overload

@@ -60,7 +60,7 @@ def read_text(path: Path, *, whole: bool) -> CloudFile:
         table = _table(path, layout, places)
         notes = ("its columns besides x, y and z are not all numbers and are not kept",)
     if table is None:
-        raise _explained(path, layout)
+        raise _explained(path, layout, places)
     if layout.count not in (None, len(table)):
         raise CloudError(f"its first line promises {layout.count} points, {len(table)} follow")
     points = np.column_stack([table[f"{place}"] for place in places])
@@ -87,8 +87,10 @@ def _layout(path: Path) -> Layout:
                 continue
             separator = next((mark for mark in ";," if mark in text), None)
             layout = Layout(encoding, separator, names, 0, head, count)
-            words = layout.words(text)
+            words = layout.words(text.partition("#")[0].strip())
             if names is None and not all(_is_number(word) for word in words[:3]):
+                if complaint := _complaint(number, words):
+                    raise complaint
                 names, head = tuple(word.strip("\"'") for word in words), number
                 if not {"x", "y", "z"} <= {name.lower() for name in names}:
                     raise CloudError(
@@ -135,7 +137,7 @@ def _table(path: Path, layout: Layout, numbers: Collection[int]) -> np.ndarray |
             return None
 
 
-def _explained(path: Path, layout: Layout) -> CloudError:
+def _explained(path: Path, layout: Layout, places: list[int]) -> CloudError:
     """What is wrong with the first line that cannot be read."""
     with path.open(encoding=layout.encoding, errors="replace") as file:
         lines = file.readlines()
@@ -143,17 +145,26 @@ def _explained(path: Path, layout: Layout) -> CloudError:
         words = layout.words(line.partition("#")[0].strip())
         if words in ([], [""]) or line.startswith(_COMMENTS):
             continue
-        bad = next((word for word in words if not _is_number(word)), None)
-        if bad is not None and re.fullmatch(r"[-+\d.,'\s]+", bad):
-            return CloudError(
-                f"line {number}: {bad[:_SHOWN]!r} is not a number here; write decimal points, no marks between "
-                "thousands, and one separator throughout"
-            )
-        if len(words) != layout.width:
+        right = len(words) == layout.width
+        wanted = [words[place] for place in places] if right else words
+        if complaint := _complaint(number, wanted):
+            return complaint
+        if not right:
             return CloudError(f"line {number} has {len(words)} columns, the first row has {layout.width}")
-        if bad is not None:
+        for bad in filter(lambda word: not _is_number(word), wanted):
             return CloudError(f"line {number}: {bad[:_SHOWN]!r} is not a number")
     return CloudError("cannot be read as a table of numbers")
+
+
+def _complaint(number: int, words: list[str]) -> CloudError | None:
+    """What is wrong with a line in which something looks like a number and is none."""
+    for word in words:
+        if re.fullmatch(r"[-+\d.,'\s]*\d[-+\d.,'\s]*", word) and not _is_number(word):
+            return CloudError(
+                f"line {number}: {word[:_SHOWN]!r} is not a number here; write decimal points, no marks between "
+                "thousands, and one separator throughout"
+            )
+    return None
 
 
 def _refuse_doubtful(layout: Layout, points: FloatArray) -> None:

@@ -12,6 +12,9 @@ from types import ModuleType
 import pytest
 from numba.core import config
 
+LOCATOR = "UserProvidedCacheLocator"
+"""The only place where numba is to look."""
+
 SOURCE = """
 from ido.compiling import compiled
 
@@ -56,7 +59,10 @@ def test_a_damaged_loop_is_compiled_again_and_replaced(place: Path, kind: str):
 
 def test_without_a_place_to_keep_loops_the_program_starts_and_says_so_once(tmp_path: Path):
     (tmp_path / "file").touch()
-    nowhere = {"NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "x")}
+    nowhere = {
+        "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator",
+        "NUMBA_CACHE_DIR": str(tmp_path / "file" / "x"),
+    }
     command = [sys.executable, "-c", "import sys; from ido.cli import main; sys.exit(main(['--help']))"]
     done = subprocess.run(command, env=os.environ | nowhere, capture_output=True, text=True)
     assert done.returncode == 0
