@@ -176,12 +176,12 @@ def _of_extent(maps: Maps, extent: Extent) -> Iterator[str]:
 
 
 def _of_model(maps: Maps) -> Iterator[str]:
-    angle = _symmetry(maps.histogram.model.points.astype(np.float64))
+    angle = symmetry(maps.histogram.model.points.astype(np.float64))
     if angle:
         yield f"the model looks the same when it is turned by {angle}°; which of these poses is right cannot be known"
 
 
-def _symmetry(model: FloatArray) -> int | None:
+def symmetry(model: FloatArray) -> int | None:
     """The smallest of a few angles after whose turn about an axis of the model, or of its frame, it looks the same.
 
     Points count as in the same place when they are no farther from each other than the model's are.
