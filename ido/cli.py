@@ -22,19 +22,17 @@ from tyro.extras import SubcommandApp
 from ido.arguments import MAPS_HELP, CloudName, HistogramName, habits, maps_of, place_of, points_of
 from ido.clouds import Cloud, CloudWarning, Model, Orientation
 from ido.console import note, progress_bar, replace_what_cannot_be_shown
-from ido.disk import check_apart, check_output, write_whole
+from ido.disk import check_apart, check_output
 from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.experiments.commands import app as experiments
 from ido.experiments.workers import local_executor
 from ido.extensions import histogram_class
-from ido.files import save_cloud
-from ido.files.saving import SUFFIXES
 from ido.maps import Maps, TrainingSettings
 from ido.perturbation import OutlierKind, Perturbation
-from ido.registration import EPSILON, MAX_ITERATIONS
-from ido.scans import ScanSettings, as_text, register_scan
+from ido.registering import register_command
+from ido.registration import EPSILON
 from ido.training import train
-from ido.user_units import Start, cloud_of_maps
+from ido.user_units import cloud_of_maps
 
 if TYPE_CHECKING:
     SweepName = str
@@ -138,69 +136,6 @@ def train_command(
         note(line)
     note(f"written to {escape(str(output))}")
     return None if trained.complete else 130
-
-
-def register_command(
-    cloud: CloudName,
-    maps: Annotated[str, arg(metavar="FILE.npz", help=f"Maps: a file {MAPS_HELP}")],
-    histogram: HistogramName | None = None,
-    start: Start = "here",
-    epsilon: float = EPSILON,
-    max_iterations: int = MAX_ITERATIONS,
-    output: Annotated[Path | None, arg(aliases=["-o"], metavar="POSE.json")] = None,
-    moved: Annotated[Path | None, arg(metavar="CLOUD.ply")] = None,
-    drop_invalid: bool = False,
-    force: bool = False,
-    strict: bool = False,
-) -> int | None:
-    """Find the pose that moves a cloud onto the model of trained maps (the paper's Algorithm 2).
-
-    Writes one JSON object: T_model_scene, the 4x4 matrix that maps points of the cloud onto the model, in the units
-    of the cloud that the maps were trained on, which must be the cloud's units too; the number of iterations; why it
-    stopped (converged, iteration limit, diverged); whether it converged; figures of quality; and warnings, which also
-    go to standard error. To standard output unless -o is given.
-
-    That it converged does not say that the pose is right. The figures: near_share, the share of the cloud's points
-    within 0.1 of the model's half-size of it, and near_rmse, their distance from it; covered_share, the share of the
-    model that has such points; the cloud's spread along its principal axes, and size_ratio, as multiple of the
-    model's; step, to which its coordinates are rounded; and densest_share, of points that lie in one place.
-
-    The maps see only what lies near the model and were trained to turn it back by up to 90 degrees. A cloud that lies
-    elsewhere needs --start centre (the default is where it lies, as in the paper).
-
-    Of a cloud with more than 4000 points a random 4000 are registered, always the same ones. Meshes are sampled.
-
-    Args:
-        cloud: File or shipped shape.
-        maps: Maps to walk.
-        histogram: What the maps see, as module:Class, when it is a feature of your own.
-        start: Where to start: where the cloud lies, or with its bounding-box centre moved onto the model's.
-        epsilon: Stop once an update is shorter than this. The paper says 0.005; smaller is slower and more exact.
-        max_iterations: Stop after this many updates in any case.
-        output: Where the JSON goes.
-        moved: Also write the moved cloud with all its points, in order, and its other columns, to a PLY or XYZ file.
-        drop_invalid: Leave out points with coordinates that are not finite, instead of refusing the cloud.
-        force: Replace files that are already there.
-        strict: Exit with 3 when it did not converge or there are warnings.
-    """
-    settings = ScanSettings(start=start, epsilon=epsilon, max_iterations=max_iterations, drop_invalid=drop_invalid)
-    check_apart({"-o": output, "--moved": moved}, {"the cloud": place_of(cloud), "the maps file": place_of(maps)})
-    if output:
-        check_output(output, force=force)
-    if moved:
-        check_output(moved, *SUFFIXES, force=force)
-    scan = register_scan(maps_of(maps, histogram), cloud, settings, whole=moved is not None)
-    for text in scan.used.notes:
-        note(f"[bold]note:[/] {escape(text)}")
-    for doubt in scan.doubts:
-        note(f"[bold yellow]warning:[/] {escape(doubt)}")
-    if moved:
-        save_cloud(moved, scan.file.moved(scan.T_model_scene))
-    if output:
-        write_whole(output, f"{as_text(scan)}\n".encode())
-    else:
-        print(as_text(scan))
-    return 3 if strict and not scan.sure else None
 
 
 def sweep_command(

@@ -119,7 +119,7 @@ def npy(array: np.ndarray) -> bytes:
 
 
 def npz(**arrays: np.ndarray) -> bytes:
-    return made("a.npz", lambda path: np.savez(path, **arrays))
+    return made("a.npz", lambda path: np.savez(path, allow_pickle=False, **arrays))
 
 
 def las(name: str) -> bytes:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ido import Cloud, Maps, Model, Perturbation, perturb, poses, register, shipped_maps
-from ido.quality import POOR_BOTH, Quality, symmetry, fit_of, quality
+from ido.quality import POOR_BOTH, Quality, fit_of, quality, symmetry
 from ido.types import FloatArray
 
 EASY = Perturbation(noise=0.01, outliers=0, incomplete=0, points=1500, rotation=30, translation=0.1)

@@ -9,7 +9,7 @@ import open3d as o3d
 import pytest
 import trimesh
 from plyfile import PlyData, PlyElement
-from pypcd4 import Encoding, PointCloud
+from pypcd4.pypcd4 import Encoding, PointCloud
 
 from ido.files import CloudFile, read_cloud, save_cloud, used_points
 from ido.poses import exp, transform
