@@ -30,14 +30,17 @@ class Promise(NamedTuple):
 
 
 def promises(path: Path) -> dict[str, Promise]:
-    """What the arrays of an .npz will be, by name; nothing is unpacked but their heads.
+    """What the arrays of an .npz will be, by name; nothing is unpacked but their heads. Other files in it are bytes.
 
     Raises:
-        ValueError: something in it is no array, or a pickle.
+        ValueError: an array is none, or a pickle.
     """
     found = {}
     with zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
+            if not member.filename.endswith(".npy"):
+                found[member.filename] = Promise((member.file_size,), np.dtype(np.uint8))
+                continue
             with archive.open(member) as file:
                 try:
                     found[member.filename.removesuffix(".npy")] = promise(file)

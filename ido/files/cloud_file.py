@@ -65,7 +65,9 @@ class CloudFile:
             if all(name in columns for name in names):
                 turned = np.column_stack([columns[name] for name in names]) @ T[:3, :3].T
                 columns |= {name: turned[:, i].astype(columns[name].dtype) for i, name in enumerate(names)}
-        return CloudFile(self.points @ T[:3, :3].T + T[:3, 3], columns, self.faces, self.notes)
+        points = self.points @ T[:3, :3].T
+        points += T[:3, 3]
+        return CloudFile(points, columns, self.faces, self.notes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,8 @@ def read_obj(path: Path) -> CloudFile:
     with path.open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, start=1):
             words = line.split()
+            if words[:1] == ["v"] and len(words) < 4:
+                raise CloudError(f"line {number}: a vertex needs three coordinates")
             if words[:1] == ["v"]:
                 vertices.append(" ".join(words[1:4]))
             elif words[:1] == ["f"]:

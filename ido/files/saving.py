@@ -14,6 +14,8 @@ from ido.types import FloatArray
 SUFFIXES = (".ply", ".xyz")
 """Endings of the files that are written."""
 
+_ROWS = 100_000  # written at a time
+
 _PLY_TYPES = {
     "i1": "char",
     "u1": "uchar",
@@ -69,12 +71,15 @@ def _write_ply(path: Path, file: CloudFile) -> None:
     if file.faces is not None:
         lines += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
         faces["n"], faces["corners"] = 3, file.faces
-    rows = np.empty(len(file.points), dtype=[(f"{i}", f"<{kind}") for i, kind in enumerate(kinds)])
-    for i, values in enumerate(columns.values()):
-        rows[f"{i}"] = values
+    row = np.dtype([(f"{i}", f"<{kind}") for i, kind in enumerate(kinds)])
     with path.open("wb") as out:
         out.write(("\n".join([*lines, "end_header"]) + "\n").encode("ascii"))
-        out.write(rows.data)
+        for first in range(0, len(file.points), _ROWS):
+            part = slice(first, first + _ROWS)
+            rows = np.empty(len(file.points[part]), row)
+            for i, values in enumerate(columns.values()):
+                rows[f"{i}"] = values[part]
+            out.write(rows.data)
         out.write(faces.data)
 
 

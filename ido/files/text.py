@@ -26,7 +26,7 @@ class Layout:
 
     Args:
         encoding: of its letters.
-        separator: between columns; None for blanks.
+        separator: between columns; None for spaces.
         names: of its columns, when it names them.
         width: number of columns.
         head: number of lines before the first row.
@@ -85,7 +85,7 @@ def _layout(path: Path) -> Layout:
             if head == 0 and re.fullmatch(r"\d{1,18}", text):
                 count, head = check_count(int(text)), number
                 continue
-            separator = next((mark for mark in ";," if mark in text), None)
+            separator = next((mark for mark in ";,\t" if mark in text), None)
             layout = Layout(encoding, separator, names, 0, head, count)
             words = layout.words(text.partition("#")[0].strip())
             if names is None and not all(_is_number(word) for word in words[:3]):
@@ -171,12 +171,13 @@ def _refuse_doubtful(layout: Layout, points: FloatArray) -> None:
     """Refuse files without names whose first three columns may be something else.
 
     Raises:
-        CloudError: they may be parts of numbers with decimal commas, or the first may only count.
+        CloudError: they may be parts of numbers, or the first may only count.
     """
     whole = (points == np.round(points)).all(axis=0)
-    if layout.separator == "," and layout.width >= 6 and whole[0] and whole[2]:
+    if layout.separator in (",", None) and layout.width >= 6 and whole[0] and whole[2]:
         raise CloudError(
-            "its commas may stand within numbers; write decimal points, or name the columns in a first line: x,y,z,..."
+            "its commas or blanks may stand within numbers; write decimal points and nothing between thousands, or "
+            "name the columns in a first line, as: x y z red green blue"
         )
     if layout.width >= 4 and len(points) > 1 and (np.diff(points[:, 0]) == 1).all():
         raise CloudError("its first column only counts; name the columns in a first line, as: number x y z")

@@ -207,6 +207,18 @@ VARIANTS = (
         "no marks between thousands",
     ),
     Variant(
+        "blanks-in-numbers.txt",
+        "blanks between thousands, tabs between columns",
+        text(*("\t".join(f"{1000 * value:,.2f}".replace(",", " ") for value in point) for point in POINTS)),
+        "no marks between thousands",
+    ),
+    Variant(
+        "only-blanks.txt",
+        "blanks between thousands and between columns",
+        text(*(" ".join(f"{5e5 + 1000 * value:,.2f}".replace(",", " ") for value in point) for point in POINTS)),
+        "may stand within numbers",
+    ),
+    Variant(
         "mixed.txt",
         "another separator from line 31 on",
         text(*lines()[:30], *lines(separator=",")[30:]),
