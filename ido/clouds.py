@@ -145,8 +145,8 @@ def checked_points(points: FloatArray) -> FloatArray:
     if not (np.isfinite(low) and np.isfinite(high)):
         bad = int((~np.isfinite(points).all(axis=1)).sum())
         raise CloudError(
-            f"{bad} of {len(points)} points have coordinates that are not finite; remove them first, or "
-            "let the command do it with --drop-invalid"
+            f"{bad} of {len(points)} points have coordinates that are not finite; remove them first, as "
+            "`ido register` and `ido train` do with --drop-invalid"
         )
     if max(-low, high) > 1e15:
         raise CloudError("coordinates beyond 1e15 cannot be used; check the file's units")

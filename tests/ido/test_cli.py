@@ -371,6 +371,13 @@ def test_register_refuses_settings_out_of_range(args: tuple[str, str], message: 
     assert message in fails(capfd, "register", "bunny", "--maps", "bunny-front-back", *args)
 
 
+def test_what_training_leaves_out_of_a_file_is_told(tmp_path: Path, bunny: Cloud, capfd: pytest.CaptureFixture[str]):
+    save_cloud(tmp_path / "scan.ply", CloudFile(bunny.points.astype(float)[:600], faces=np.array([[0, 1, 2]])))
+    args = ["train", str(tmp_path / "scan.ply"), "-o", str(tmp_path / "a.npz"), "--samples", "20", "--maps", "1"]
+    assert cli.main(args) is None
+    assert "note: scan.ply: 597 of 600 points belong to none of its 1 faces" in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("way", ["its name", "another path", "a link", "a hard link"])
 @pytest.mark.parametrize("option", ["-o", "--moved"])
 def test_register_never_overwrites_what_it_reads(
