@@ -69,7 +69,11 @@ def _same(a: Path, b: Path) -> bool:
 
 @contextmanager
 def written_beside(path: str | Path) -> Iterator[Path]:
-    """A file to write beside its place; it takes the place when all of it is on disk, and vanishes on any error."""
+    """A file to write beside its place; it takes the place when all of it is on disk, and vanishes on any error.
+
+    Raises:
+        OSError: it cannot be written; the message names the place.
+    """
     path = Path(path).resolve()  # a link stays, and what it leads to is replaced
     temporary = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
     try:
@@ -77,8 +81,10 @@ def written_beside(path: str | Path) -> Iterator[Path]:
         with temporary.open("rb+") as file:
             os.fsync(file.fileno())  # some disks tell only now that they are full
         temporary.replace(path)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise OSError(error.errno, error.strerror, str(path)) from error  # the user knows this name
         raise
 
 

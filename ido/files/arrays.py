@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ido.clouds import CloudError
-from ido.files.cloud_file import CloudFile, check_count
+from ido.files.cloud_file import CloudFile, check_count, single
 from ido.npz import Promise, promise, promises
 
 
@@ -35,7 +35,7 @@ def read_npy(path: Path) -> CloudFile:
 
 
 def read_npz(path: Path) -> CloudFile:
-    """Points, of the array ``points`` or of the only one of shape (N, 3); arrays of shape (N,) are its columns.
+    """Points, of the array ``points`` or of the only one of shape (N, 3); arrays of as many rows are its columns.
 
     Raises:
         CloudError: no such array.
@@ -52,9 +52,9 @@ def read_npz(path: Path) -> CloudFile:
         columns = {
             name: arrays[name]
             for name, array in found.items()
-            if array.shape == (len(points),) and array.dtype.kind in "fiub"
+            if name != clouds[0] and array.shape[:1] == (len(points),) and array.dtype.kind in "fiub"
         }
-    return CloudFile(points, columns)
+    return CloudFile(points, single(columns))
 
 
 def _is_cloud(array: Promise) -> bool:

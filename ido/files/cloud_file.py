@@ -56,7 +56,7 @@ class CloudFile:
         for i, values in enumerate(xyz):
             points[:, i] = values
         others = {name: values for name, values in columns.items() if name.strip().lower() not in axes}
-        return cls(points, _single(others), faces, notes)
+        return cls(points, single(others), faces, notes)
 
     def moved(self, T: FloatArray) -> CloudFile:
         """All of it where the pose T (4, 4) in the file's units moves it; normals are turned."""
@@ -151,7 +151,7 @@ def check_count(count: int) -> int:
     return count
 
 
-def _single(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def single(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of one value each: one of k values, shape (N, k), becomes name_0 .. name_(k-1)."""
     single = {}
     for name, values in columns.items():

@@ -89,6 +89,8 @@ def read_ply(path: Path) -> CloudFile:
                 vertices = dict(columns_of(rows))
             elif element.name == "face" and element.count:
                 faces = _triangles(lists, next(e.count for e in elements if e.name == "vertex"))
+                if faces is None:
+                    notes.append(f"{element.count} faces without a list of three corners or more are not used")
             elif element.count:
                 notes.append(f"{element.count} rows of the kind {element.name!r} are not used")
         if order == "=":

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
 
+from ido.clouds import CloudWarning
 from ido.disk import written_beside
 from ido.files.cloud_file import CloudFile
 from ido.types import FloatArray
@@ -31,7 +33,8 @@ _PLY_TYPES = {
 def save_cloud(path: str | Path, cloud: CloudFile | FloatArray) -> None:
     """Write points (N, 3), or all of a file that was read, to a PLY or XYZ file without losing digits.
 
-    It is written whole or not at all. XYZ has no room for faces.
+    It is written whole or not at all. A `CloudWarning` tells what the format has no room for: faces in XYZ, whole
+    numbers of more than 53 bits in PLY.
 
     Raises:
         ValueError: the file's name ends in something else.
@@ -46,7 +49,13 @@ def save_cloud(path: str | Path, cloud: CloudFile | FloatArray) -> None:
 
 
 def _write_xyz(path: Path, file: CloudFile) -> None:
-    columns = {name: _storable(values) for name, values in file.columns.items()}
+    if file.faces is not None:
+        warnings.warn(
+            f"{len(file.faces)} faces are not written, for XYZ has no room for them", CloudWarning, stacklevel=3
+        )
+    columns = {
+        name: values.astype("u1") if values.dtype.kind == "b" else values for name, values in file.columns.items()
+    }
     formats = ["%.12g"] * 3 + ["%d" if values.dtype.kind in "iu" else "%.17g" for values in columns.values()]
     names = " ".join(["x", "y", "z", *map(_word, columns)]) if columns else ""
     table = np.empty(len(file.points), dtype=[(f"{i}", "f8") for i in range(3)] + _fields(columns))
@@ -62,7 +71,7 @@ def _fields(columns: dict[str, np.ndarray]) -> list[tuple[str, str]]:
 
 
 def _write_ply(path: Path, file: CloudFile) -> None:
-    columns = {name: _storable(values) for name, values in file.columns.items()}
+    columns = {name: _in_ply(name, values) for name, values in file.columns.items()}
     columns = {"x": file.points[:, 0], "y": file.points[:, 1], "z": file.points[:, 2], **columns}
     kinds = [values.dtype.str[1:] for values in columns.values()]
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(file.points)}"]
@@ -83,16 +92,20 @@ def _write_ply(path: Path, file: CloudFile) -> None:
         out.write(faces.data)
 
 
-def _storable(values: np.ndarray) -> np.ndarray:
-    """Values in a type that PLY has; whole numbers that need 64 bits become the nearest doubles."""
+def _in_ply(name: str, values: np.ndarray) -> np.ndarray:
+    """Values in a type that PLY has, which has no whole numbers of 64 bits."""
     if values.dtype.kind == "b":
         return values.astype("u1")
-    if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
-        low, high = (int(values.min()), int(values.max())) if len(values) else (0, 0)
-        return values.astype("i4" if low >= -(2**31) and high < 2**31 else "f8")
     if values.dtype.kind == "f" and values.dtype.itemsize not in (4, 8):
         return values.astype("f4" if values.dtype.itemsize < 4 else "f8")
-    return values.astype(values.dtype.newbyteorder("="))
+    if values.dtype.kind == "f" or values.dtype.itemsize < 8:
+        return values
+    for kind in ("i4", "u4", "f8"):
+        converted = values.astype(kind)
+        if (converted.astype(values.dtype) == values).all():
+            return converted
+    warnings.warn(f"{name} is rounded to 53 bits, for PLY has no longer numbers", CloudWarning, stacklevel=4)
+    return values.astype("f8")
 
 
 def _word(name: str) -> str:

@@ -11,6 +11,7 @@ import trimesh
 from plyfile import PlyData, PlyElement
 from pypcd4.pypcd4 import Encoding, PointCloud
 
+from ido import CloudWarning
 from ido.files import CloudFile, read_cloud, save_cloud, used_points
 from ido.poses import exp, transform
 
@@ -145,3 +146,27 @@ def test_a_moved_file_keeps_its_order_and_turns_its_normals():
     ends = transform(T, POINTS + normals) - transform(T, POINTS)
     np.testing.assert_allclose(np.column_stack([moved.columns[name] for name in turned]), ends, atol=1e-6)
     np.testing.assert_array_equal(moved.columns["time"], np.arange(len(POINTS)))
+
+
+def test_what_a_format_has_no_room_for_is_told(tmp_path: Path):
+    times = np.arange(len(POINTS), dtype=np.uint64) + 1_700_000_000_123_456_789
+    file = CloudFile(POINTS, {"time": times, "number": np.arange(len(POINTS))}, np.array([[0, 1, 2]]))
+    with pytest.warns(CloudWarning, match="time is rounded to 53 bits"):
+        save_cloud(tmp_path / "a.ply", file)
+    written = read_cloud(tmp_path / "a.ply", whole=True)
+    np.testing.assert_allclose(written.columns["time"], times, rtol=1e-15)
+    np.testing.assert_array_equal(written.columns["number"], file.columns["number"])
+    with pytest.warns(CloudWarning, match="1 faces are not written"):
+        save_cloud(tmp_path / "a.xyz", file)
+    digits = [int(line.split()[3]) for line in (tmp_path / "a.xyz").read_text().splitlines()[1:]]
+    assert digits == times.tolist()
+
+
+def test_faces_that_are_none_are_told(tmp_path: Path):
+    lines = np.empty(2, dtype=[("vertex_indices", "O")])
+    lines["vertex_indices"] = [np.array([0, 1], "i4"), np.array([2, 3], "i4")]
+    vertices = np.array(list(map(tuple, POINTS)), [(axis, "f8") for axis in "xyz"])
+    PlyData([PlyElement.describe(vertices, "vertex"), PlyElement.describe(lines, "face")]).write(tmp_path / "a.ply")
+    file = read_cloud(tmp_path / "a.ply")
+    assert file.faces is None
+    assert file.notes == ("2 faces without a list of three corners or more are not used",)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import pickle
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,9 +12,10 @@ import numpy as np
 import open3d as o3d
 import pytest
 import trimesh
+from cloud_files import VARIANTS, Variant
 
-from ido import CloudError, load_cloud
-from ido.files import save_cloud
+from ido import CloudError, CloudWarning, load_cloud
+from ido.files import READERS, loading, read_cloud, save_cloud
 from ido.files.cloud_file import MESH_SAMPLES
 from ido.types import FloatArray
 
@@ -173,3 +176,46 @@ def test_an_npz_without_one_cloud_is_refused(tmp_path: Path):
     for name in ("two.npz", "none.npz"):
         with pytest.raises(CloudError, match="needs an array 'points'"):
             load_cloud(tmp_path / name)
+
+
+def test_arrays_beside_the_points_are_their_columns(tmp_path: Path):
+    colours = np.random.default_rng(5).integers(0, 256, (60, 3)).astype(np.uint8)
+    np.savez(tmp_path / "a.npz", points=POINTS, colour=colours, seen=POINTS[:, 0] > 300, other=POINTS[:9])
+    file = read_cloud(tmp_path / "a.npz")
+    assert list(file.columns) == ["colour_0", "colour_1", "colour_2", "seen"]
+    np.testing.assert_array_equal(np.column_stack([file.columns[f"colour_{i}"] for i in range(3)]), colours)
+    for name in ("saved.ply", "saved.xyz"):
+        save_cloud(tmp_path / name, file)
+        again = read_cloud(tmp_path / name, whole=True)
+        for column, values in file.columns.items():
+            np.testing.assert_array_equal(again.columns[column].astype(values.dtype), values)
+
+
+@pytest.mark.parametrize("variant", [variant for variant in VARIANTS if variant.name.startswith("scan.la")])
+def test_the_dimensions_of_a_laser_scan_are_its_columns(tmp_path: Path, variant: Variant):
+    file = read_cloud(variant.write(tmp_path), whole=True)
+    np.testing.assert_array_equal(file.columns["intensity"], np.arange(60))
+    assert {"red", "classification", "gps_time"} <= set(file.columns)
+    assert read_cloud(variant.write(tmp_path)).columns == {}
+
+
+@pytest.mark.parametrize("suffix", sorted(READERS))
+def test_every_kind_may_be_packed(tmp_path: Path, suffix: str):
+    variant = next(v for v in VARIANTS if v.name.endswith(suffix) and not v.refused) if suffix != ".stl" else None
+    if variant:
+        path = variant.write(tmp_path)
+    else:
+        path = tmp_path / "box.stl"
+        trimesh.creation.box().export(str(path))
+    packed = tmp_path / f"{path.name}.gz"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CloudWarning)
+        np.testing.assert_array_equal(load_cloud(packed), load_cloud(path))
+
+
+def test_what_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(loading, "MOST_UNPACKED", 1 << 20)
+    (tmp_path / "a.xyz.gz").write_bytes(gzip.compress(bytes(2 << 20)))
+    with pytest.raises(CloudError, match=r"a\.xyz\.gz: unpacks to more than"):
+        load_cloud(tmp_path / "a.xyz.gz")
