@@ -63,7 +63,7 @@ def check_end(path: Path, end: int, row: np.dtype) -> None:
     """
     extra = (path.stat().st_size - end) // max(row.itemsize, 1)
     if extra:
-        raise CloudError(f"holds {extra} rows more than its head promises; which of them are meant cannot be known")
+        raise _too_many(extra)
 
 
 def text_rows(lines: Iterator[str], count: int, row: np.dtype) -> np.ndarray:
@@ -96,7 +96,11 @@ def check_text_end(lines: Iterator[str]) -> None:
     """
     extra = sum(1 for _ in lines)
     if extra:
-        raise CloudError(f"holds {extra} rows more than its head promises; which of them are meant cannot be known")
+        raise _too_many(extra)
+
+
+def _too_many(extra: int) -> CloudError:
+    return CloudError(f"holds {extra} rows more than its head promises; which of them are meant cannot be known")
 
 
 def whole_number(word: str) -> int:

@@ -66,9 +66,15 @@ def read_text(path: Path, *, whole: bool) -> CloudFile:
     points = np.column_stack([table[f"{place}"] for place in places])
     if layout.names is None:
         _refuse_doubtful(layout, points)
-    names = layout.names or ("x", "y", "z", *(f"column{i}" for i in range(4, layout.width + 1)))
-    others = {name: table[f"{i}"] for i, name in enumerate(names) if i not in places} if whole and not notes else {}
-    return CloudFile(points, others, notes=notes)
+    others = [i for i in range(layout.width) if i not in places] if whole and not notes else []
+    return CloudFile(points, {_name(layout, i): table[f"{i}"] for i in others}, notes=notes)
+
+
+def _name(layout: Layout, column: int) -> str:
+    """What a column is called; by its number where names are missing or repeated."""
+    name = layout.names[column] if layout.names else ""
+    alone = layout.names is not None and layout.names.count(name) == 1
+    return name if name and alone else f"{name or 'column'}{column + 1}"
 
 
 def _layout(path: Path) -> Layout:

@@ -219,3 +219,21 @@ def test_what_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest
     (tmp_path / "a.xyz.gz").write_bytes(gzip.compress(bytes(2 << 20)))
     with pytest.raises(CloudError, match=r"a\.xyz\.gz: unpacks to more than"):
         load_cloud(tmp_path / "a.xyz.gz")
+
+
+def test_columns_of_a_text_keep_their_names_and_none_is_lost(tmp_path: Path):
+    table = np.column_stack([POINTS, np.arange(180).reshape(60, 3)])
+    rows = [" ".join(map(repr, map(float, row))) for row in table]
+    for head, names in (("x y z i i t", ["i4", "i5", "t"]), ("# no names", ["column4", "column5", "column6"])):
+        (tmp_path / "a.txt").write_text("\n".join([head, *rows]))
+        file = read_cloud(tmp_path / "a.txt", whole=True)
+        assert list(file.columns) == names
+        np.testing.assert_array_equal(np.column_stack(list(file.columns.values())), table[:, 3:])
+
+
+def test_columns_of_words_are_told_when_they_cannot_be_kept(tmp_path: Path):
+    (tmp_path / "a.txt").write_text("\n".join(f"{x} {y} {z} wall" for x, y, z in POINTS))
+    assert read_cloud(tmp_path / "a.txt").notes == ()
+    file = read_cloud(tmp_path / "a.txt", whole=True)
+    np.testing.assert_array_equal(file.points, POINTS)
+    assert file.notes == ("its columns besides x, y and z are not all numbers and are not kept",)
