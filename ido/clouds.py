@@ -82,8 +82,6 @@ class Cloud:
         original = _thinned(checked_points(original))
         low, high = original.min(axis=0), original.max(axis=0)
         frame = Frame((low + high) / 2, float((high - low).max() / 2))
-        if not frame.scale > 1e-9 * max(1.0, float(np.abs(frame.centre).max())):
-            raise CloudError("all points of the cloud lie in one place; check the file's units and columns")
         return cls(frame.to_model_units(original).astype(np.float32), frame)
 
 
@@ -131,7 +129,7 @@ def checked_points(points: FloatArray) -> FloatArray:
     """The points as float64, shape (N, 3).
 
     Raises:
-        CloudError: not a cloud of at least 10 finite points.
+        CloudError: not a cloud of at least 10 finite points in different places.
     """
     try:
         points = np.asarray(points, dtype=np.float64)
@@ -141,15 +139,18 @@ def checked_points(points: FloatArray) -> FloatArray:
         raise CloudError(f"a cloud needs three columns x, y, z; this has the shape {points.shape}")
     if len(points) < 10:
         raise CloudError(f"a cloud needs at least 10 points; this has {len(points)}")
-    low, high = points.min(), points.max()  # both are NaN where any coordinate is
-    if not (np.isfinite(low) and np.isfinite(high)):
+    low, high = points.min(axis=0), points.max(axis=0)  # both are NaN where any coordinate is
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
         bad = int((~np.isfinite(points).all(axis=1)).sum())
         raise CloudError(
             f"{bad} of {len(points)} points have coordinates that are not finite; remove them first, as "
             "`ido register` and `ido train` do with --drop-invalid"
         )
-    if max(-low, high) > 1e15:
+    largest = max(-low.min(), high.max())
+    if largest > 1e15:
         raise CloudError("coordinates beyond 1e15 cannot be used; check the file's units")
+    if not (high - low).max() > 2e-9 * max(1.0, largest):
+        raise CloudError("all points of the cloud lie in one place; check the file's units and columns")
     return points
 
 

@@ -237,3 +237,9 @@ def test_columns_of_words_are_told_when_they_cannot_be_kept(tmp_path: Path):
     file = read_cloud(tmp_path / "a.txt", whole=True)
     np.testing.assert_array_equal(file.points, POINTS)
     assert file.notes == ("its columns besides x, y and z are not all numbers and are not kept",)
+
+
+def test_points_in_one_place_are_refused_whoever_asks(tmp_path: Path):
+    (tmp_path / "a.xyz").write_text("400000.5 5400000.5 120\n" * 60)
+    with pytest.raises(CloudError, match=r"^a\.xyz: all points of the cloud lie in one place"):
+        load_cloud(tmp_path / "a.xyz")
