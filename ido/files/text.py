@@ -64,7 +64,7 @@ def read_text(path: Path, *, whole: bool) -> CloudFile:
     if layout.count not in (None, len(table)):
         raise CloudError(f"its first line promises {layout.count} points, {len(table)} follow")
     points = np.column_stack([table[f"{place}"] for place in places])
-    if layout.names is None:
+    if layout.names is None and layout.width > 3:
         _refuse_doubtful(layout, points)
     others = [i for i in range(layout.width) if i not in places] if whole and not notes else []
     return CloudFile(points, {_name(layout, i): table[f"{i}"] for i in others}, notes=notes)
@@ -134,9 +134,11 @@ def _places(layout: Layout) -> list[int]:
 def _table(path: Path, layout: Layout, numbers: Collection[int]) -> np.ndarray | None:
     """All rows, with fields 0, 1, ...; None when one has another width, or no number where numbers are wanted."""
     row = np.dtype([(f"{i}", "f8" if i in numbers else "S1") for i in range(layout.width)])
-    end = f" \t\r\n{layout.separator or ''}"
     with path.open(encoding=layout.encoding, errors="replace") as file:
-        lines = (line.rstrip(end) for line in islice(file, layout.head, None) if not line.startswith(_COMMENTS))
+        lines = (line for line in islice(file, layout.head, None) if not line.startswith(_COMMENTS))
+        if layout.separator:  # one at the end would begin another column
+            end = f" \t\r\n{layout.separator}"
+            lines = (line.rstrip(end) for line in lines)
         try:
             return np.loadtxt(lines, row, comments="#", delimiter=layout.separator, ndmin=1)
         except ValueError:
@@ -179,13 +181,13 @@ def _refuse_doubtful(layout: Layout, points: FloatArray) -> None:
     Raises:
         CloudError: they may be parts of numbers, or the first may only count.
     """
-    whole = (points == np.round(points)).all(axis=0)
-    if layout.separator in (",", None) and layout.width >= 6 and whole[0] and whole[2]:
+    in_parts = layout.separator in (",", None) and layout.width >= 6
+    if in_parts and all((points[:, i] == np.round(points[:, i])).all() for i in (0, 2)):
         raise CloudError(
             "its commas or blanks may stand within numbers; write decimal points and nothing between thousands, or "
             "name the columns in a first line, as: x y z red green blue"
         )
-    if layout.width >= 4 and len(points) > 1 and (np.diff(points[:, 0]) == 1).all():
+    if len(points) > 1 and (np.diff(points[:, 0]) == 1).all():
         raise CloudError("its first column only counts; name the columns in a first line, as: number x y z")
 
 
