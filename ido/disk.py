@@ -84,7 +84,7 @@ def written_beside(path: str | Path) -> Iterator[Path]:
     except BaseException as error:
         temporary.unlink(missing_ok=True)
         if isinstance(error, OSError):
-            raise OSError(error.errno, error.strerror, str(path)) from error  # the user knows this name
+            raise OSError(error.errno, error.strerror or str(error), str(path)) from error  # the user knows this name
         raise
 
 
