@@ -6,8 +6,9 @@ compared with, or that are your own.
 """
 
 from ido.blocks import Block, Question, Surface
-from ido.clouds import Cloud, CloudError, Model, load_cloud
+from ido.clouds import Cloud, CloudError, CloudWarning, Model
 from ido.extensions import LearnedMethod, OwnError, OwnMethod, UpdateMethod, register_updates
+from ido.files import load_cloud
 from ido.histograms import (
     HISTOGRAMS,
     AsPrinted,
@@ -36,6 +37,7 @@ __all__ = [
     "BlockHistogram",
     "Cloud",
     "CloudError",
+    "CloudWarning",
     "FrontBack",
     "Histogram",
     "LearnedMethod",

@@ -1,20 +1,20 @@
-"""What the commands take: clouds, maps and histograms by name, and files to write."""
+"""What the commands take: clouds, maps and histograms by name."""
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated, get_args
 
 from tyro.conf import Positional, arg
 from tyro.constructors import PrimitiveConstructorSpec
 
-from ido.clouds import Orientation, load_cloud
+from ido.clouds import Orientation
 from ido.extensions import OwnError, histogram_class
+from ido.files import READERS, load_cloud
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps
 from ido.perturbation import OutlierKind
-from ido.shipped import SHAPES, shipped_cloud, shipped_histograms, shipped_maps
+from ido.shipped import SHAPES, asset, shipped_cloud, shipped_histograms, shipped_maps
 from ido.types import FloatArray
 
 SHIPPED_MAPS = [f"{shape}-{histogram}" for shape in SHAPES for histogram in shipped_histograms(shape)]
@@ -22,9 +22,11 @@ SHIPPED_MAPS = [f"{shape}-{histogram}" for shape in SHAPES for histogram in ship
 
 MAPS_HELP = f"made by `ido train`, or shipped ones by name: {', '.join(SHIPPED_MAPS)}."
 
+_KINDS = ", ".join(suffix[1:].upper() for suffix in READERS)
+
 CloudName = Annotated[
     Positional[str],
-    arg(metavar="CLOUD", help=f"File (PLY, PCD, XYZ, NPZ, OBJ, STL, OFF) or shipped shape: {', '.join(SHAPES)}."),
+    arg(metavar="CLOUD", help=f"File ({_KINDS}, each also as .gz) or shipped shape: {', '.join(SHAPES)}."),
 ]
 
 
@@ -48,12 +50,19 @@ HistogramName = Annotated[
 """One of ours, or one's own as ``module:Class``."""
 
 
-def points_of(cloud: str) -> FloatArray:
+def points_of(cloud: str, *, drop_invalid: bool = False) -> FloatArray:
     """Points (N, 3) of a file or a shipped shape, in its own units."""
     if cloud in SHAPES:
         shipped = shipped_cloud(cloud)
         return shipped.frame.to_user_units(shipped.points)
-    return load_cloud(cloud)
+    return load_cloud(cloud, drop_invalid=drop_invalid)
+
+
+def place_of(name: str) -> Path:
+    """Where a cloud or maps lie, given by file or shipped name."""
+    if name in SHAPES:
+        return asset(f"{name}.ply")
+    return asset(f"{name}.npz") if name in SHIPPED_MAPS else Path(name)
 
 
 def maps_of(name: str, histogram: str | None = None) -> Maps:
@@ -72,19 +81,3 @@ def habits(cloud: str, kind: OutlierKind | None, normals: Orientation | None) ->
     if shape is None:
         return kind or get_args(OutlierKind)[0], normals or get_args(Orientation)[0]
     return kind or shape.outlier_kind, normals or shape.orientation
-
-
-def check_output(path: Path, *suffixes: str) -> None:
-    """See that a file can be written, before the work begins.
-
-    Raises:
-        ValueError: its name has another ending, or its folder cannot be written to.
-    """
-    if suffixes and path.suffix.lower() not in suffixes:
-        raise ValueError(f"{path}: the name must end in {' or '.join(suffixes)}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{path.parent}: no such folder")
-    if path.is_dir():
-        raise ValueError(f"{path}: is a folder")
-    if not os.access(path.parent, os.W_OK):
-        raise ValueError(f"{path.parent}: no permission to write there")

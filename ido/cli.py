@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import multiprocessing
-import signal
+import sys
 import time
 import warnings
 from collections.abc import Sequence
-from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from concurrent.futures import BrokenExecutor
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -21,19 +19,20 @@ from rich.table import Table
 from tyro.conf import arg
 from tyro.extras import SubcommandApp
 
-from ido.arguments import MAPS_HELP, CloudName, HistogramName, check_output, habits, maps_of, points_of
-from ido.clouds import Cloud, Model, Orientation, save_cloud
-from ido.console import note, progress_bar
+from ido.arguments import MAPS_HELP, CloudName, HistogramName, habits, maps_of, place_of, points_of
+from ido.clouds import Cloud, CloudWarning, Model, Orientation
+from ido.console import note, progress_bar, replace_what_cannot_be_shown
+from ido.disk import check_apart, check_output
 from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.experiments.commands import app as experiments
+from ido.experiments.workers import local_executor
 from ido.extensions import histogram_class
 from ido.maps import Maps, TrainingSettings
 from ido.perturbation import OutlierKind, Perturbation
-from ido.poses import transform
-from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory
+from ido.registering import register_command
+from ido.registration import EPSILON
 from ido.training import train
-from ido.types import FloatArray
-from ido.user_units import Start, cloud_of_maps, doubts, register_original
+from ido.user_units import cloud_of_maps
 
 if TYPE_CHECKING:
     SweepName = str
@@ -42,15 +41,19 @@ else:
 
 
 def main(args: Sequence[str] | None = None) -> int | None:
-    """Run a command; the exit code is 2 for an error, 130 after Ctrl-C."""
+    """Run a command; the exit code is 2 for an error, 3 for a doubt under --strict, 130 after Ctrl-C."""
     app = SubcommandApp()
     app.command(name="train")(train_command)
     app.command(name="register")(register_command)
     app.command(name="sweep")(sweep_command)
     app.command(experiments, name="experiment", help="Compare every method with the others and with the paper.")
     description = "Register 3D point clouds with Discriminative Optimization (DO) and Improved DO."
+    replace_what_cannot_be_shown()
     try:
-        return app.cli(prog="ido", description=description, args=args, config=(tyro.conf.DisallowNone,))
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", CloudWarning)
+            warnings.showwarning = _show_warning
+            return app.cli(prog="ido", description=description, args=args, config=(tyro.conf.DisallowNone,))
     except KeyboardInterrupt:
         return _interrupted()
     except ImportError as error:
@@ -78,6 +81,8 @@ def train_command(
     outlier_kind: OutlierKind | None = None,
     normals: Orientation | None = None,
     workers: int | None = None,
+    drop_invalid: bool = False,
+    force: bool = False,
 ) -> int | None:
     """Learn maps for a cloud (the paper's Algorithm 1), which `ido register` then walks.
 
@@ -89,7 +94,7 @@ def train_command(
 
     Args:
         cloud: File or shipped shape.
-        output: Where the maps go. A file already there is replaced once training has ended.
+        output: Where the maps go, once training has ended.
         histogram: What the maps see of a scene: front-back is DO, triple-binary is Improved DO, and
             module:Class is one of your own.
         samples: Number of training scenes. Fewer train faster and register worse.
@@ -99,15 +104,18 @@ def train_command(
         outlier_kind: Spread evenly, or gathered in one ball. Default: the shape's own, else uniform.
         normals: Side the model's normals point to; changes no result. Default: the shape's own, else outward.
         workers: Describe the scenes in this many processes. Default: threads of this one, about as fast.
+        drop_invalid: Leave out points with coordinates that are not finite, instead of refusing the cloud.
+        force: Replace a file that is already there.
     """
-    check_output(output, ".npz")
+    check_apart({"-o": output}, {"the cloud": place_of(cloud)})
+    check_output(output, ".npz", force=force)
     kind, orientation = habits(cloud, outlier_kind, normals)
     settings = TrainingSettings(samples=samples, maps=maps, ridge=ridge, seed=seed, outlier_kind=kind)
-    pool = _process_pool(workers)
-    normalised = Cloud.of(points_of(cloud))
+    pool = nullcontext((None, 0)) if workers is None else local_executor(workers)
+    normalised = Cloud.of(points_of(cloud, drop_invalid=drop_invalid))
     feature = histogram_class(histogram)(Model.of(normalised, orientation=orientation))
     began = time.monotonic()
-    with pool as executor, progress_bar("{task.completed} of {task.total} maps", "{task.description}") as progress:
+    with pool as (executor, _), progress_bar("{task.completed} of {task.total} maps", "{task.description}") as progress:
         task = progress.add_task(f"drawing {samples:,} scenes", total=maps)
 
         def show(done: int, error: float) -> None:
@@ -128,63 +136,6 @@ def train_command(
         note(line)
     note(f"written to {escape(str(output))}")
     return None if trained.complete else 130
-
-
-def register_command(
-    cloud: CloudName,
-    maps: Annotated[str, arg(metavar="FILE.npz", help=f"Maps: a file {MAPS_HELP}")],
-    histogram: HistogramName | None = None,
-    start: Start = "here",
-    epsilon: float = EPSILON,
-    max_iterations: int = MAX_ITERATIONS,
-    output: Annotated[Path | None, arg(aliases=["-o"], metavar="POSE.json")] = None,
-    moved: Annotated[Path | None, arg(metavar="CLOUD.ply")] = None,
-) -> None:
-    """Find the pose that moves a cloud onto the model of trained maps (the paper's Algorithm 2).
-
-    Writes one JSON object: T_model_scene, the 4x4 matrix that maps points of the cloud onto the model, in the units
-    of the cloud that the maps were trained on, which must be the cloud's units too; the number of iterations; why it
-    stopped (converged, iteration limit, diverged); and whether it converged. To standard output unless -o is given;
-    warnings go to standard error.
-
-    The maps see only what lies near the model and were trained to turn it back by up to 90 degrees. A cloud that lies
-    elsewhere needs --start centre (the default is where it lies, as in the paper).
-
-    Of a cloud with more than 4000 points a random 4000 are registered, always the same ones. Meshes are sampled.
-
-    Args:
-        cloud: File or shipped shape.
-        maps: Maps to walk.
-        histogram: What the maps see, as module:Class, when it is a feature of your own.
-        start: Where to start: where the cloud lies, or with its bounding-box centre moved onto the model's.
-        epsilon: Stop once an update is shorter than this. The paper says 0.005; smaller is slower and more exact.
-        max_iterations: Stop after this many updates in any case.
-        output: Where the JSON goes.
-        moved: Also write the moved cloud with all its points, to a PLY or XYZ file.
-    """
-    if not (np.isfinite(epsilon) and epsilon >= 0):
-        raise ValueError(f"epsilon must be a number of at least 0, not {epsilon}")
-    if max_iterations < 1:
-        raise ValueError(f"max-iterations must be at least 1, not {max_iterations}")
-    if output:
-        check_output(output)
-    if moved:
-        check_output(moved, ".ply", ".xyz")
-        if moved.resolve() == Path(cloud).resolve():
-            raise ValueError(f"{moved}: this is the cloud itself; write the moved one elsewhere")
-    original, trained = points_of(cloud), maps_of(maps, histogram)
-    for doubt in doubts(trained, original, start):
-        note(f"[bold yellow]warning:[/] {escape(doubt)}")
-    T_model_scene, track = register_original(
-        trained, original, start=start, epsilon=epsilon, max_iterations=max_iterations
-    )
-    if moved:
-        save_cloud(moved, transform(T_model_scene, original))
-    text = pose_as_json(T_model_scene, track)
-    if output:
-        output.write_text(text + "\n", encoding="utf-8")
-    else:
-        print(text)
 
 
 def sweep_command(
@@ -238,25 +189,6 @@ def sweep_command(
     Console().print(table)
 
 
-def pose_as_json(T_model_scene: FloatArray, track: Trajectory) -> str:
-    """One JSON object: the pose, and how the registration ended."""
-    result = {
-        "T_model_scene": T_model_scene.tolist(),
-        "iterations": track.iterations,
-        "stop": str(track.stop),
-        "converged": track.converged,
-    }
-    return json.dumps(result, indent=2, allow_nan=False)
-
-
-def _process_pool(workers: int | None) -> AbstractContextManager[Executor | None]:
-    if workers is None:
-        return nullcontext()
-    ignore_interrupt = (signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only this one acts on it
-    spawn = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(workers, mp_context=spawn, initializer=signal.signal, initargs=ignore_interrupt)
-
-
 def training_summary(maps: Maps, seconds: float) -> list[str]:
     n, curves = len(maps.maps), maps.curves
     lines = [f"{n} maps trained in {seconds:.1f} s; training error {curves.mean[0]:.5f} to {curves.mean[-1]:.5f}"]
@@ -268,6 +200,21 @@ def training_summary(maps: Maps, seconds: float) -> list[str]:
         risen = ", ".join(map(str, np.flatnonzero(np.diff(curves.mean) >= 0) + 1))
         lines.append(f"[bold yellow]Theorem 1 did not hold:[/] the training error did not fall at map {risen}")
     return lines
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: object = None,
+    line: str | None = None,
+) -> None:
+    """A line about a cloud is for the user; all else is shown as Python shows it."""
+    if issubclass(category, CloudWarning):
+        note(f"[bold]note:[/] {escape(str(message))}")
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, filename, lineno, line))
 
 
 def _interrupted() -> int:

@@ -1,12 +1,9 @@
-"""Clouds: load, normalise, and pick the model points that maps are trained for, with their normals."""
+"""Clouds: normalise, and pick the model points that maps are trained for, with their normals."""
 
 from __future__ import annotations
 
 import warnings
-import zipfile
-from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -20,9 +17,6 @@ MODEL_POINTS = 514
 NORMAL_NEIGHBOURS = 6
 """Neighbours that a point's local plane is fitted to, as in the paper."""
 
-MESH_SAMPLES = 30_000
-"""Points sampled, evenly by area, from a file that holds a mesh."""
-
 LARGEST_CLOUD = 1_000_000
 """Larger clouds are thinned to this many points, at random with a fixed seed."""
 
@@ -31,6 +25,10 @@ Orientation = Literal["outward", "up"]
 
 class CloudError(ValueError):
     """A cloud or its file cannot be used; the message says why and what to do."""
+
+
+class CloudWarning(UserWarning):
+    """Something of a cloud or its file is not used; the message says how much and why."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,16 +74,14 @@ class Cloud:
     def of(cls, original: FloatArray) -> Cloud:
         """Normalise points given in the user's units, shape (N, 3): the bounding-box centre becomes the origin.
 
-        docs/method.md, Eq. 3.
+        docs/method.md, Eq. 3. Of more than `LARGEST_CLOUD` points that many are used, and a `CloudWarning` tells so.
 
         Raises:
             CloudError: fewer than 10 points, coordinates that are not finite, or all points in one place.
         """
-        original = checked_points(original)
+        original = _thinned(checked_points(original))
         low, high = original.min(axis=0), original.max(axis=0)
         frame = Frame((low + high) / 2, float((high - low).max() / 2))
-        if not frame.scale > 1e-9 * max(1.0, float(np.abs(frame.centre).max())):
-            raise CloudError("all points of the cloud lie in one place; check the file's units and columns")
         return cls(frame.to_model_units(original).astype(np.float32), frame)
 
 
@@ -129,51 +125,11 @@ def local_normals(points: FloatArray, hint: FloatArray) -> FloatArray:
     return np.where((normals * hint).sum(axis=1, keepdims=True) < 0, -normals, normals)
 
 
-def load_cloud(path: str | Path) -> FloatArray:
-    """Points of a file in its own units, shape (N, 3), float64.
-
-    Reads PLY, PCD, XYZ, NPZ, OBJ, STL and OFF; meshes are sampled evenly by area.
-
-    Raises:
-        CloudError: the file is missing, unreadable, of another format, or holds no usable cloud.
-    """
-    path = Path(path)
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
-        raise CloudError(f"{path.name}: unknown kind of file; give one of {', '.join(sorted(_READERS))}")
-    if not path.is_file():
-        raise CloudError(f"{path}: no such file")
-    try:
-        points = reader(path)
-    except CloudError:
-        raise
-    except Exception as error:  # readers raise whatever they like on a broken file
-        raise CloudError(f"{path.name}: cannot be read as {path.suffix[1:].upper()} ({error})") from error
-    try:
-        return checked_points(points)
-    except CloudError as error:
-        raise CloudError(f"{path.name}: {error}") from error
-
-
-def save_cloud(path: str | Path, points: FloatArray) -> None:
-    """Write points (N, 3) to a PLY or XYZ file without losing digits."""
-    if Path(path).suffix.lower() == ".xyz":
-        np.savetxt(path, points, fmt="%.12g")
-        return
-    import open3d as o3d  # trimesh would write float32, too coarse for coordinates of a map
-
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.asarray(points, dtype=np.float64)))
-    with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
-        written = o3d.io.write_point_cloud(Path(path), cloud)
-    if not written:
-        raise OSError(f"{path}: cannot be written")
-
-
 def checked_points(points: FloatArray) -> FloatArray:
-    """The points as float64, shape (N, 3), thinned when there are very many.
+    """The points as float64, shape (N, 3).
 
     Raises:
-        CloudError: not a cloud of at least 10 finite points.
+        CloudError: not a cloud of at least 10 finite points in different places.
     """
     try:
         points = np.asarray(points, dtype=np.float64)
@@ -183,62 +139,24 @@ def checked_points(points: FloatArray) -> FloatArray:
         raise CloudError(f"a cloud needs three columns x, y, z; this has the shape {points.shape}")
     if len(points) < 10:
         raise CloudError(f"a cloud needs at least 10 points; this has {len(points)}")
-    if not np.isfinite(points).all():
+    low, high = points.min(axis=0), points.max(axis=0)  # both are NaN where any coordinate is
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
         bad = int((~np.isfinite(points).all(axis=1)).sum())
-        raise CloudError(f"{bad} of {len(points)} points have coordinates that are not finite; remove them first")
-    if np.abs(points).max() > 1e15:
+        raise CloudError(
+            f"{bad} of {len(points)} points have coordinates that are not finite; remove them first, as "
+            "`ido register` and `ido train` do with --drop-invalid"
+        )
+    largest = max(-low.min(), high.max())
+    if largest > 1e15:
         raise CloudError("coordinates beyond 1e15 cannot be used; check the file's units")
-    if len(points) > LARGEST_CLOUD:
-        points = np.random.default_rng(0).choice(points, LARGEST_CLOUD, replace=False)
+    if not (high - low).max() > 2e-9 * max(1.0, largest):
+        raise CloudError("all points of the cloud lie in one place; check the file's units and columns")
     return points
 
 
-def _read_trimesh(path: Path) -> FloatArray:
-    import trimesh
-
-    loaded = trimesh.load(path)
-    if isinstance(loaded, trimesh.Scene):
-        loaded = loaded.to_mesh()
-    if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
-        samples = trimesh.sample.sample_surface(loaded, MESH_SAMPLES, seed=0)[0]
-        return np.asarray(samples)
-    return np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))
-
-
-def _read_xyz(path: Path) -> FloatArray:
-    with path.open(encoding="utf-8") as file, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # an empty file is refused later
-        return np.loadtxt((line.replace(",", " ") for line in file), usecols=(0, 1, 2), ndmin=2)
-
-
-def _read_pcd(path: Path) -> FloatArray:
-    import open3d as o3d
-
-    with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):  # it warns on standard output
-        cloud = o3d.io.read_point_cloud(path, remove_nan_points=False)
-    if not cloud.has_points():
-        raise CloudError(f"{path.name}: holds no points, or is not a PCD file")
-    return np.asarray(cloud.points)
-
-
-def _read_npz(path: Path) -> FloatArray:
-    if not zipfile.is_zipfile(path):
-        raise CloudError(f"{path.name}: not an NPZ file")
-    with np.load(path, allow_pickle=False) as arrays:
-        if "points" in arrays:
-            return arrays["points"]
-        clouds = [arrays[key] for key in arrays if arrays[key].ndim == 2 and arrays[key].shape[1] == 3]
-    if len(clouds) != 1:
-        raise CloudError(f"{path.name}: an NPZ needs an array 'points' of shape (N, 3)")
-    return clouds[0]
-
-
-_READERS: dict[str, Callable[[Path], FloatArray]] = {
-    ".ply": _read_trimesh,
-    ".obj": _read_trimesh,
-    ".stl": _read_trimesh,
-    ".off": _read_trimesh,
-    ".xyz": _read_xyz,
-    ".pcd": _read_pcd,
-    ".npz": _read_npz,
-}
+def _thinned(points: FloatArray) -> FloatArray:
+    if len(points) <= LARGEST_CLOUD:
+        return points
+    note = f"of {len(points)} points {LARGEST_CLOUD} are used, drawn at random, always the same ones"
+    warnings.warn(note, CloudWarning, stacklevel=3)
+    return np.random.default_rng(0).choice(points, LARGEST_CLOUD, replace=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import sys
 from collections.abc import Iterator
 
 import rich
@@ -29,6 +30,13 @@ def progress_bar(*columns: str) -> Progress:
         console=Console(stderr=True),
         speed_estimate_period=3600,
     )
+
+
+def replace_what_cannot_be_shown() -> None:
+    """Show a ? where the terminal's encoding has no such letter as λ or ±, rather than lose what was computed."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 @contextlib.contextmanager

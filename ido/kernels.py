@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ido.compiling import compiled
 from ido.types import DoubleArray, FloatArray
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def pose_of(x: FloatArray) -> DoubleArray:
     """T = exp(x^) of x = [ρ, φ], shape (4, 4); `ido.poses.exp` defines it (docs/method.md, Eq. 2)."""
     T = np.eye(4)
@@ -31,7 +31,7 @@ def pose_of(x: FloatArray) -> DoubleArray:
     return T
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def move(points: FloatArray, starts: np.ndarray, x: FloatArray) -> DoubleArray:
     """The points (N, 3) of many scenes in the model frame: points[starts[i]:starts[i+1]] moved by x[i] (6,).
 
@@ -47,7 +47,7 @@ def move(points: FloatArray, starts: np.ndarray, x: FloatArray) -> DoubleArray:
     return moved
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def scale_blocks(out: FloatArray, weights: FloatArray, unit_norm: bool) -> None:
     """Weigh the bins of many histograms (B, sides, M), and scale each block to length 1 or sum 1, in place.
 

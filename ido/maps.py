@@ -11,8 +11,9 @@ from typing import get_args
 import numpy as np
 
 from ido.clouds import Frame, Model
+from ido.disk import write_whole
 from ido.histograms import HISTOGRAMS, Histogram
-from ido.npz import packed, read_arrays, write_whole
+from ido.npz import packed, read_arrays
 from ido.perturbation import OutlierKind
 from ido.types import FloatArray
 

@@ -1,14 +1,66 @@
-"""Files of arrays, .npz: read whole or refused, written whole or not at all, never a pickle."""
+"""Files of arrays, .npz: read whole or refused, never a pickle, never more than they may hold."""
 
 from __future__ import annotations
 
 import io
-import secrets
+import math
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import IO, NamedTuple
 
 import numpy as np
+
+from ido.disk import why_unreadable
+
+MOST_BYTES = 1 << 30
+"""Unpacked size of all arrays of a file, beyond which it is refused; ours have a hundredth of it."""
+
+
+class Promise(NamedTuple):
+    """What an array will be, as its head says before it is unpacked."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+
+    @property
+    def size(self) -> int:
+        """Bytes in memory."""
+        return math.prod(self.shape) * self.dtype.itemsize
+
+
+def promises(path: Path) -> dict[str, Promise]:
+    """What the arrays of an .npz will be, by name; nothing is unpacked but their heads. Other files in it are bytes.
+
+    Raises:
+        ValueError: an array is none, or a pickle.
+    """
+    found = {}
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            if not member.filename.endswith(".npy"):
+                found[member.filename] = Promise((member.file_size,), np.dtype(np.uint8))
+                continue
+            with archive.open(member) as file:
+                try:
+                    found[member.filename.removesuffix(".npy")] = promise(file)
+                except ValueError as error:
+                    raise ValueError(f"{member.filename}: {error}") from error
+    return found
+
+
+def promise(file: IO[bytes]) -> Promise:
+    """What an array will be, from the head of its .npy; the file then stands at the array's first byte.
+
+    Raises:
+        ValueError: it is no array, or a pickle.
+    """
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(file)
+    if dtype.hasobject:
+        raise ValueError("holds Python objects, which are not read")
+    return Promise(shape, dtype)
 
 
 def read_arrays(path: str | Path, error: type[ValueError], kind: str, remedy: str) -> dict[str, np.ndarray]:
@@ -21,14 +73,17 @@ def read_arrays(path: str | Path, error: type[ValueError], kind: str, remedy: st
         remedy: what the user should do, as ``make one with `ido train```.
 
     Raises:
-        error: missing, cut-off, damaged or foreign file.
+        error: missing, cut-off, damaged or foreign file, or one that unpacks to more than `MOST_BYTES`.
     """
     path = Path(path)
-    if not path.is_file():
-        raise error(f"{path}: no such file; {remedy}")
+    if why := why_unreadable(path):
+        raise error(f"{path}: {why}; {remedy}")
     if not zipfile.is_zipfile(path):
         raise error(f"{path.name}: not {kind}, or cut off; {remedy}")
     try:
+        size = sum(array.size for array in promises(path).values())
+        if size > MOST_BYTES:
+            raise ValueError(f"it would unpack to {size / 1e9:.1f} GB")
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
     except Exception as reason:  # zlib, zipfile and NumPy each raise their own
@@ -40,16 +95,3 @@ def packed(arrays: Mapping[str, np.ndarray]) -> bytes:
     content = io.BytesIO()
     np.savez_compressed(content, allow_pickle=False, **arrays)
     return content.getvalue()
-
-
-def write_whole(path: str | Path, content: bytes) -> None:
-    """Write a file beside its place and rename it, so that one already there is replaced only by a whole one."""
-    path = Path(path)
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise

@@ -12,8 +12,9 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ido.clouds import Model
+from ido.disk import write_whole
 from ido.histograms import Histogram
-from ido.npz import packed, read_arrays, write_whole
+from ido.npz import packed, read_arrays
 from ido.perturbation import Perturbation, Scene
 from ido.registration import StopReason, Trajectory
 from ido.scores import Scores, score

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ido.npz import packed, read_arrays, write_whole
+from ido.disk import write_whole
+from ido.npz import packed, read_arrays
 from ido.types import FloatArray
 
 _TEXT = ("dataset", "method", "sweep", "stop")

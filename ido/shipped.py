@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ido.clouds import Cloud, Orientation, load_cloud
+from ido.clouds import Cloud, Orientation
+from ido.files import load_cloud
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps
 from ido.perturbation import OutlierKind

@@ -44,13 +44,18 @@ def register_original(
 
 def scene_at_start(maps: Maps, original: FloatArray, start: Start) -> tuple[FloatArray, FloatArray]:
     """What is registered, shape (S, 3) in model units, and the pose (4, 4) that brought it there from where it lay."""
-    if len(original) > REGISTERED_POINTS:
-        original = np.random.default_rng(0).choice(original, REGISTERED_POINTS, replace=False)
-    scene = maps.frame.to_model_units(original)
+    scene = maps.frame.to_model_units(registered_points(original))
     T_start = np.eye(4)
     if start == "centre":
         T_start[:3, 3] = -(scene.min(axis=0) + scene.max(axis=0)) / 2
     return transform(T_start, scene), T_start
+
+
+def registered_points(points: FloatArray) -> FloatArray:
+    """The points (N, 3) that are registered: all, or a random subset of `REGISTERED_POINTS`, always the same."""
+    if len(points) <= REGISTERED_POINTS:
+        return points
+    return np.random.default_rng(0).choice(points, REGISTERED_POINTS, replace=False)
 
 
 def doubts(maps: Maps, original: FloatArray, start: Start) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 import ido
 from ido import poses
-from ido.clouds import save_cloud
+from ido.files import save_cloud
 from ido.user_units import register_original
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ido.compiling import compiled
 from ido.types import DoubleArray, FloatArray
 
 Normalisation = Literal["each", "together"]
@@ -54,7 +54,7 @@ def reference_sums(moved: FloatArray, model: FloatArray, sigma2: float) -> Gauss
     )
 
 
-@njit(cache=True, fastmath=True, nogil=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _sums(moved: FloatArray, model: FloatArray, rate: Any, out: FloatArray) -> None:
     """`model` is (3, M) float32, weights are 2^(rate (d²_b - d²)); `out` is (S, 6)."""
     n_model = model.shape[1]

@@ -9,10 +9,10 @@ from abc import abstractmethod
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ido.blocks.block import Question, Surface, fan
 from ido.clouds import Model
+from ido.compiling import compiled
 from ido.types import BoolArray, DoubleArray, FloatArray
 
 _REACH = 1.2  # of the drawn cone and half-plane, model units
@@ -123,14 +123,14 @@ def _ranks(model: Model, key: Any, reach: float) -> Ranks:
     return Ranks(keys[order], order, table.astype(np.int64))
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _elevation_key(x: float, y: float, z: float) -> float:
     """The sine of the elevation atan2(z, hypot(x, y)): grows with it, and needs no trigonometry."""
     length = np.sqrt(x * x + y * y + z * z)
     return z / length if length > 0 else 0.0
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _azimuth_key(x: float, y: float, z: float) -> float:
     """Grows with the azimuth atan2(y, x) in (-π, π], from -2 to 2: where the ray meets a unit diamond."""
     length = abs(x) + abs(y)
@@ -139,7 +139,7 @@ def _azimuth_key(x: float, y: float, z: float) -> float:
     return 1 - x / length if y >= 0 else x / length - 1
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _rank(key: float, ranks: Ranks, reach: float) -> int:
     """How many of the model's keys are smaller than a key in ±reach; of a point that is not finite, none."""
     if not key >= -reach:  # NaN, which would look beyond the table
@@ -150,7 +150,7 @@ def _rank(key: float, ranks: Ranks, reach: float) -> int:
     return rank
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _write_counts(ends_at: np.ndarray, n: int, ranks: Ranks, first: FloatArray, second: FloatArray) -> None:
     """From how many of n keys are greater than exactly r model keys: how many are greater than each, and not."""
     greater = n
@@ -160,7 +160,7 @@ def _write_counts(ends_at: np.ndarray, n: int, ranks: Ranks, first: FloatArray, 
         second[ranks.order[r]] = n - greater
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _count_up(ranks: Ranks, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
     ends_at = np.empty(len(ranks.keys) + 1, np.int64)
     for i in range(len(starts) - 1):
@@ -170,7 +170,7 @@ def _count_up(ranks: Ranks, moved: FloatArray, starts: np.ndarray, out: FloatArr
         _write_counts(ends_at, starts[i + 1] - starts[i], ranks, out[i, side], out[i, side + 1])
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _count_clockwise(ranks: Ranks, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
     ends_at = np.empty(len(ranks.keys) + 1, np.int64)
     for i in range(len(starts) - 1):

@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ido.clouds import Model
+from ido.compiling import compiled
 from ido.types import DoubleArray, FloatArray
 
 SIGMA2 = 0.03
@@ -89,7 +89,7 @@ def _spatial_order(points: FloatArray, chosen: np.ndarray) -> np.ndarray:
     return np.concatenate([_spatial_order(points, chosen[along[:half]]), _spatial_order(points, chosen[along[half:]])])
 
 
-@njit(cache=True, inline="always", fastmath=True)
+@compiled(inline="always", fastmath=True)
 def _gather(
     xyz: FloatArray, n: int, low: FloatArray, high: FloatArray, reach2: Any, out: FloatArray, distance2: FloatArray
 ) -> int:
@@ -108,7 +108,7 @@ def _gather(
     return count
 
 
-@njit(cache=True, inline="always", fastmath=True, error_model="numpy")
+@compiled(inline="always", fastmath=True, error_model="numpy")
 def weigh(
     boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int, by_plane: bool
 ) -> None:  # pragma: no cover (compiled)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from ido.blocks.block import Question, Surface, fan
 from ido.blocks.boxes import Boxes, boxes_of, gaussian_weights, weigh
 from ido.clouds import Model
+from ido.compiling import compiled
 from ido.types import BoolArray, DoubleArray, FloatArray
 
 _DISC = 0.35  # radius of the drawn plane, model units
@@ -45,6 +45,6 @@ class FrontOrBack(Question):
         _count(layout, moved, starts, out, side)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _count(boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
     weigh(boxes, moved, starts, out, side, True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from numba import njit
 
 from ido.blocks.block import Question, Surface
 from ido.blocks.boxes import SIGMA2, Boxes, boxes_of, gaussian_weights, weigh
 from ido.clouds import Model
+from ido.compiling import compiled
 from ido.types import BoolArray, DoubleArray, FloatArray
 
 
@@ -42,6 +42,6 @@ class NearOrFar(Question):
         _count(layout, moved, starts, out, side)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _count(boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
     weigh(boxes, moved, starts, out, side, False)

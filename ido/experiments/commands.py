@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter, defaultdict
 from concurrent.futures import BrokenExecutor, Executor
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -24,7 +22,7 @@ from ido.experiments.report import report_command
 from ido.experiments.store import Row, Store
 from ido.experiments.sweeps import LEVELS
 from ido.experiments.tune import tune_command
-from ido.experiments.workers import dask_executor, local_executor
+from ido.experiments.workers import executor_of
 from ido.results import Results
 from ido.shipped import SHAPES
 
@@ -75,7 +73,7 @@ def run_command(
     experiment = Experiment(datasets=datasets, sweeps=sweeps, methods=methods, levels=levels, scenes=scenes)
     try:
         with (
-            _executor(workers, dask) as (executor, in_flight),
+            executor_of(workers, dask) as (executor, in_flight),
             Store.open(output, experiment.dataset_settings(), experiment.method_settings()) as store,
         ):
             _complete(experiment, store, executor, in_flight)
@@ -93,14 +91,6 @@ def run_command(
     for name, count in failures.items():
         note(f"[bold yellow]warning:[/] {escape(name)} failed {count} times in this file; that counts as PointAcc 0")
     return None
-
-
-def _executor(workers: int | None, dask: str | None) -> AbstractContextManager[tuple[Executor, int]]:
-    if dask is None:
-        return local_executor(os.cpu_count() or 1 if workers is None else workers)
-    if workers is not None:
-        raise ValueError("--workers is for this machine; a Dask cluster brings its own")
-    return dask_executor(dask)
 
 
 def _complete(experiment: Experiment, store: Store, executor: Executor, in_flight: int) -> None:

@@ -7,17 +7,18 @@ import math
 import threading
 import time
 from collections.abc import Callable, Collection, Iterable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache, partial
-from itertools import groupby, islice
+from itertools import groupby
 
 import numpy as np
 
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.store import Key, Row, Settings
 from ido.experiments.sweeps import LEVELS, level_scene
+from ido.experiments.workers import share_out
 from ido.methods import Method, method_names, shipped_method
 from ido.perturbation import Perturbation, perturb
 from ido.scores import score
@@ -199,10 +200,7 @@ def _register(chunk: Chunk, trial: int, method: Method) -> Row:
 
 
 def run(chunks: Iterable[Chunk], executor: Executor, in_flight: int, record: Callable[[list[Row]], None]) -> None:
-    """Do chunks in any executor, and record each as soon as it is done.
-
-    When it is stopped by Ctrl-C or an error, it does not begin any more, but waits for those that are being worked on
-    and records them.
+    """Do chunks in any executor, and record each as soon as it is done, as `share_out` does.
 
     Args:
         chunks: what to do.
@@ -213,19 +211,4 @@ def run(chunks: Iterable[Chunk], executor: Executor, in_flight: int, record: Cal
     Raises:
         BrokenExecutor: workers were lost.
     """
-    left = iter(chunks)
-    submitted: set[Future[list[Row]]] = set()
-    try:
-        while True:
-            for chunk in islice(left, in_flight - len(submitted)):
-                submitted.add(executor.submit(run_chunk, chunk))
-            if not submitted:
-                return
-            for future in wait(submitted, return_when=FIRST_COMPLETED).done:
-                record(future.result())
-                submitted.remove(future)
-    finally:
-        running = [future for future in submitted if not future.cancel()]
-        for future in wait(running).done:
-            if not future.exception():
-                record(future.result())
+    share_out(run_chunk, chunks, executor, in_flight, record)

@@ -10,6 +10,8 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ido.disk import write_whole
+
 INK = "#333333"
 FAINT = "#9a9a9a"
 
@@ -66,8 +68,8 @@ def write_figure(figure: Figure, path: Path) -> bytes:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out once, not for each file
     svg = _written(figure, "svg", metadata={"Date": None})
-    path.with_suffix(".svg").write_bytes(svg)
-    path.with_suffix(".png").write_bytes(_written(figure, "png"))
+    write_whole(path.with_suffix(".svg"), svg)
+    write_whole(path.with_suffix(".png"), _written(figure, "png"))
     return svg
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import importlib.metadata
+import io
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ido.disk import write_whole
 from ido.experiments.paper import PAPER_SCENES, PAPER_TABLES, PaperTable
 from ido.experiments.report_page import Section, figure_html, page
 from ido.experiments.report_tables import (
@@ -74,12 +76,13 @@ def write_report(results: Results, folder: Path, settings: Settings) -> Path:
     (folder / "tables").mkdir(parents=True, exist_ok=True)
     (folder / "figures").mkdir(exist_ok=True)
     for name, rows in _csv_tables(results, settings):
-        with (folder / "tables" / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows(rows)
+        content = io.StringIO(newline="")
+        csv.writer(content).writerows(rows)
+        write_whole(folder / "tables" / f"{name}.csv", content.getvalue().encode())
     path = folder / "report.html"
     figures = _Figures(folder / "figures")
     sections = [*_results_sections(results, figures), *_method_sections(figures), *_run_sections(results, settings)]
-    path.write_text(page("Registration with DO and Improved DO: results", _lead(results), sections), encoding="utf-8")
+    write_whole(path, page("Registration with DO and Improved DO: results", _lead(results), sections).encode())
     return path
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from functools import cache
 from itertools import product
 
@@ -16,6 +14,7 @@ from rich.table import Table
 
 from ido.baselines import BCPD, CPD, ICP, KCCE, Baseline, GMMReg
 from ido.experiments.sweeps import LEVELS, level_scene
+from ido.experiments.workers import executor_of
 from ido.methods import BASELINES
 from ido.perturbation import Perturbation, Scene, perturb
 from ido.scores import score
@@ -115,8 +114,7 @@ def tune_command(scenes: int = 3, methods: tuple[str, ...] = tuple(CANDIDATES), 
     unknown = [name for name in methods if name not in CANDIDATES]
     if unknown:
         raise ValueError(f"unknown baseline {', '.join(unknown)}; known: {', '.join(CANDIDATES)}")
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers or os.cpu_count(), mp_context=spawn) as pool:
+    with executor_of(workers, None) as (pool, _):
         for name in track(methods, description="tuning", console=Console(stderr=True)):
             table = Table("", "settings", *SHAPES, "mean", title=f"{name}: mean PointAcc, {scenes} scenes a level")
             for candidate, means in best(CANDIDATES[name], scenes, pool):

@@ -1,4 +1,4 @@
-"""Who does the work of an experiment: processes on this machine, or a Dask cluster."""
+"""Who does much work: processes on this machine, or a Dask cluster; and how it is shared out among them."""
 
 from __future__ import annotations
 
@@ -6,14 +6,80 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Iterator
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from contextlib import AbstractContextManager, contextmanager
+from itertools import islice
+from typing import TypeVar
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
 
 _ONE_THREAD = {
     f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "VECLIB", "NUMEXPR", "NUMBA")
 }
 _DASK_CHUNKS = 1000  # in flight, enough for any cluster; they are small, and cancelled at once
+
+
+def executor_of(workers: int | None, dask: str | None) -> AbstractContextManager[tuple[Executor, int]]:
+    """The executor that was asked for, and how many tasks to have in flight: a process for each core unless told.
+
+    Raises:
+        ValueError: both were asked for.
+    """
+    if dask is None:
+        return local_executor(os.cpu_count() or 1 if workers is None else workers)
+    if workers is not None:
+        raise ValueError("--workers is for this machine; a Dask cluster brings its own")
+    return dask_executor(dask)
+
+
+def share_out(
+    work: Callable[[Task], Result],
+    tasks: Iterable[Task],
+    executor: Executor,
+    in_flight: int,
+    record: Callable[[Result], None],
+) -> None:
+    """Do tasks in any executor, and record each result as soon as it is there.
+
+    When it is stopped by Ctrl-C or an error, it does not begin any more, but waits for those that are being worked on
+    and records them.
+
+    Args:
+        work: what is done with a task.
+        tasks: what it is done with.
+        executor: who does it.
+        in_flight: tasks that are submitted at a time.
+        record: called in this thread with each result.
+
+    Raises:
+        BrokenExecutor: workers were lost.
+    """
+    left = iter(tasks)
+    submitted: set[Future[Result]] = set()
+    try:
+        while True:
+            for task in islice(left, in_flight - len(submitted)):
+                submitted.add(executor.submit(work, task))
+            if not submitted:
+                return
+            for future in wait(submitted, return_when=FIRST_COMPLETED).done:
+                record(future.result())
+                submitted.remove(future)
+    finally:
+        running = [future for future in submitted if not future.cancel()]
+        for future in wait(running).done:
+            if not future.exception():
+                record(future.result())
 
 
 @contextmanager

@@ -23,7 +23,7 @@ from playwright.sync_api import ViewportSize, sync_playwright  # noqa: E402
 
 from ido_viz import page, session  # noqa: E402
 from ido_viz.app import App  # noqa: E402
-from ido_viz.core.state import LAST, State  # noqa: E402
+from ido_viz.core.state import State  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "browser"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "helpers"))

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+import errno
 import inspect
 import json
+import os
+import subprocess
 import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import open3d as o3d
+import psutil
 import pytest
 
 from ido import Cloud, Maps, Perturbation, cli, load_cloud, perturb, poses, shipped_maps, train
-from ido.clouds import Frame, save_cloud
+from ido.clouds import Frame
 from ido.experiments import mean_and_interval, sweep
+from ido.files import CloudFile, read_cloud, save_cloud
 from ido.types import FloatArray
 
 FRAME = Frame(np.array([1000.0, -200.0, 50.0]), 37.0)
 """The user's units: the bunny is 74 units long and lies far from the origin."""
+
+IDO = (sys.executable, "-c", "import sys; from ido.cli import main; sys.exit(main(sys.argv[1:]))")
+"""The command in a process of its own."""
 
 TRAINING = ("--histogram", "front-back", "--samples", "500", "--maps", "6")
 
@@ -82,7 +92,8 @@ def test_register_prints_the_pose_in_the_users_units(
     said = capfd.readouterr()
     result = json.loads(said.out)
     assert said.err == ""
-    assert set(result) == {"T_model_scene", "iterations", "stop", "converged"}
+    assert list(result) == ["T_model_scene", "iterations", "stop", "converged", "quality", "warnings"]
+    assert result["warnings"] == []
     assert result["converged"] is True
     assert result["stop"] == "converged"
     assert result["iterations"] >= 6
@@ -91,6 +102,84 @@ def test_register_prints_the_pose_in_the_users_units(
     error = poses.transform(T, scene) - poses.transform(np.linalg.inv(T_scene_model), scene)
     assert np.linalg.norm(error, axis=1).max() < 0.1 * FRAME.scale
     np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-9)
+
+
+def test_the_quality_is_that_of_the_moved_cloud(
+    folder: Path, T_scene_model: FloatArray, capfd: pytest.CaptureFixture[str]
+):
+    assert cli.main(["register", str(folder / "scene.pcd"), "--maps", str(folder / "maps.npz")]) is None
+    result = json.loads(capfd.readouterr().out)
+    scene = load_cloud(folder / "scene.pcd")
+    model = FRAME.to_user_units(Maps.load(folder / "maps.npz").histogram.model.points)
+    moved = poses.transform(np.array(result["T_model_scene"]), scene)
+    distances = np.linalg.norm(moved[:, None] - model, axis=2)
+    from_model, near = distances.min(axis=1), 0.1 * FRAME.scale
+    found = result["quality"]
+    assert found["points_read"] == found["points_used"] == len(scene) == 1500
+    assert found["points_dropped"] == 0
+    assert found["near_share"] == pytest.approx((from_model <= near).mean())
+    assert found["near_rmse"] == pytest.approx(np.sqrt((from_model[from_model <= near] ** 2).mean()))
+    assert found["covered_share"] == pytest.approx((distances.min(axis=0) <= near).mean())
+    np.testing.assert_allclose(found["spread"], np.linalg.svd(scene - scene.mean(axis=0))[1] / np.sqrt(1499), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (np.diag([2.0, 2, 2]), "fits better when it is made 0."),
+        (np.diag([1 / 2.54] * 3), "fits better when it is made 2."),
+        (np.diag([-1.0, 1, 1]), "fits better when it is mirrored along x"),
+        (np.diag([1.0, 1, 0.001]), "lie in a plane"),
+        (np.diag([1.0, 0, 0]), "lie on a line"),
+    ],
+)
+def test_a_cloud_that_cannot_fit_is_warned_about_and_fails_when_strict(
+    folder: Path,
+    T_scene_model: FloatArray,
+    tmp_path: Path,
+    change: FloatArray,
+    message: str,
+    capfd: pytest.CaptureFixture[str],
+):
+    scene = FRAME.to_model_units(load_cloud(folder / "scene.pcd"))
+    save_cloud(tmp_path / "changed.ply", FRAME.to_user_units(scene @ change))
+    replace(shipped_maps("bunny", "triple-binary"), frame=FRAME).save(tmp_path / "maps.npz")
+    args = ["register", str(tmp_path / "changed.ply"), "--maps", str(tmp_path / "maps.npz"), "--start", "centre"]
+    assert cli.main(args) is None
+    said = capfd.readouterr()
+    warnings = json.loads(said.out)["warnings"]
+    assert any(message in warning for warning in warnings)
+    assert said.err.count("warning: ") == len(warnings)
+    assert cli.main([*args, "--strict"]) == 3
+
+
+def test_strict_is_content_with_a_good_fit(folder: Path, T_scene_model: FloatArray):
+    args = ("--maps", str(folder / "maps.npz"), "--epsilon", "0.01", "--strict")
+    assert cli.main(["register", str(folder / "scene.pcd"), *args]) is None
+    assert cli.main(["register", str(folder / "scene.pcd"), *args, "--max-iterations", "1"]) == 3
+
+
+def test_dropped_points_are_told_and_stay_in_the_moved_cloud_with_all_columns(
+    folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+):
+    points = load_cloud(folder / "cloud.ply")[:2000].copy()
+    points[7, 1] = points[9, 2] = np.nan
+    rng = np.random.default_rng(0)
+    columns = {"red": rng.integers(0, 256, 2000).astype(np.uint8), "intensity": rng.random(2000).astype(np.float32)}
+    save_cloud(tmp_path / "scan.ply", CloudFile(points, columns))
+    args = ["register", str(tmp_path / "scan.ply"), "--maps", str(folder / "maps.npz"), "--moved"]
+    moved = str(tmp_path / "moved.ply")
+    assert "2 of 2000 points have coordinates that are not finite" in fails(capfd, *args, moved)
+    assert cli.main([*args, moved, "--drop-invalid"]) is None
+    said = capfd.readouterr()
+    assert "note: 2 of 2000 points have coordinates that are not finite and are dropped" in said.err
+    result = json.loads(said.out)
+    assert (result["quality"]["points_read"], result["quality"]["points_dropped"]) == (2000, 2)
+    written = read_cloud(moved)
+    expected = poses.transform(np.array(result["T_model_scene"]), points)
+    np.testing.assert_allclose(written.points, expected, atol=1e-6)
+    for name, values in columns.items():
+        np.testing.assert_array_equal(written.columns[name], values)
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".xyz"])
@@ -253,7 +342,9 @@ def test_train_refuses_settings_out_of_range(
 def test_a_broken_cloud_or_maps_file_is_one_clear_line(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]):
     cloud, maps, broken = str(folder / "cloud.ply"), str(folder / "maps.npz"), tmp_path / "[red]odd[b] name.ply"
     broken.write_text("no\ncloud\n")
-    assert "[red]odd[b] name.ply: cannot be read as PLY" in fails(capfd, "register", str(broken), "--maps", maps)
+    assert "[red]odd[b] name.ply: is cut off, or not what its name says" in fails(
+        capfd, "register", str(broken), "--maps", maps
+    )
     assert "no such file" in fails(capfd, "register", "missing.ply", "--maps", maps)
     assert "unknown kind of file" in fails(capfd, "register", "horse", "--maps", maps)
     assert "no such file; make one with" in fails(capfd, "register", cloud, "--maps", "missing.npz")
@@ -280,19 +371,121 @@ def test_register_refuses_settings_out_of_range(args: tuple[str, str], message: 
     assert message in fails(capfd, "register", "bunny", "--maps", "bunny-front-back", *args)
 
 
-def test_register_never_overwrites_its_cloud(folder: Path, capfd: pytest.CaptureFixture[str]):
-    cloud = folder / "cloud.ply"
-    before = cloud.read_bytes()
-    args = (
-        "register",
-        str(cloud),
+def test_what_training_leaves_out_of_a_file_is_told(tmp_path: Path, bunny: Cloud, capfd: pytest.CaptureFixture[str]):
+    save_cloud(tmp_path / "scan.ply", CloudFile(bunny.points.astype(float)[:600], faces=np.array([[0, 1, 2]])))
+    args = ["train", str(tmp_path / "scan.ply"), "-o", str(tmp_path / "a.npz"), "--samples", "20", "--maps", "1"]
+    assert cli.main(args) is None
+    assert "note: scan.ply: 597 of 600 points belong to none of its 1 faces" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("way", ["its name", "another path", "a link", "a hard link"])
+@pytest.mark.parametrize("option", ["-o", "--moved"])
+def test_register_never_overwrites_what_it_reads(
+    folder: Path, tmp_path: Path, way: str, option: str, capfd: pytest.CaptureFixture[str]
+):
+    cloud, maps = tmp_path / "scan.ply", tmp_path / "maps.ply"  # an ending that both options take
+    cloud.write_bytes((folder / "cloud.ply").read_bytes())
+    maps.write_bytes((folder / "maps.npz").read_bytes())
+    for target, name in ((cloud, "the cloud itself"), (maps, "the maps file itself")):
+        before = target.read_bytes()
+        output = tmp_path / "output.ply"
+        match way:
+            case "its name":
+                output = target
+            case "another path":
+                output = tmp_path / ".." / tmp_path.name / target.name
+            case "a link":
+                output.symlink_to(target)
+            case _:
+                output.hardlink_to(target)
+        args = ("register", str(cloud), "--maps", str(maps), option, str(output), "--force")
+        assert f"{option} is {name}" in fails(capfd, *args)
+        assert target.read_bytes() == before
+        (tmp_path / "output.ply").unlink(missing_ok=True)
+
+
+def test_two_outputs_are_two_files(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]):
+    args = ("register", "bunny", "--maps", str(folder / "maps.npz"), "-o", str(tmp_path / "a.ply"))
+    assert "--moved is -o itself" in fails(capfd, *args, "--moved", f"{tmp_path}/./a.ply")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_files_that_are_there_are_replaced_only_with_force(
+    folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+):
+    for name in ("pose.json", "moved.xyz", "maps.npz"):
+        (tmp_path / name).write_text("precious")
+    register = ["register", str(folder / "cloud.ply"), "--maps", str(folder / "maps.npz"), "--max-iterations", "1"]
+    for command, name in (
+        ([*register, "-o"], "pose.json"),
+        ([*register, "--moved"], "moved.xyz"),
+        (["train", "bunny", *TRAINING[:2], "--samples", "20", "--maps", "1", "-o"], "maps.npz"),
+    ):
+        output = tmp_path / name
+        assert "is there already; name another file, or replace it with --force" in fails(capfd, *command, str(output))
+        assert output.read_text() == "precious"
+        assert cli.main([*command, str(output), "--force"]) is None
+        assert b"precious" not in output.read_bytes()
+        capfd.readouterr()
+
+
+@pytest.mark.parametrize("output", ["pose.json", "moved.ply", "moved.xyz"])
+def test_a_full_disk_is_told_and_leaves_what_was_there(
+    folder: Path, tmp_path: Path, output: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    def full(file: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    (tmp_path / output).write_text("precious")
+    monkeypatch.setattr("os.fsync", full)
+    option = "-o" if output == "pose.json" else "--moved"
+    args = ("register", str(folder / "cloud.ply"), "--maps", str(folder / "maps.npz"), "--force")
+    assert "No space left on device" in fails(capfd, *args, option, str(tmp_path / output))
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [(output, "precious")]
+
+
+def test_a_table_is_shown_in_any_encoding(folder: Path):
+    args = [
+        "sweep",
+        str(folder / "cloud.ply"),
         "--maps",
         str(folder / "maps.npz"),
-        "--moved",
-        f"{folder}/../{folder.name}/cloud.ply",
-    )
-    assert "this is the cloud itself" in fails(capfd, *args)
-    assert cloud.read_bytes() == before
+        "--scenes",
+        "2",
+        "--sweeps",
+        "noise",
+    ]
+    command = [*IDO, *args]
+    done = subprocess.run(command, env=os.environ | {"PYTHONIOENCODING": "ascii"}, capture_output=True)
+    assert done.returncode == 0
+    assert b"noise" in done.stdout
+    assert b" ? " in done.stdout
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such pipes")
+def test_folders_and_pipes_are_called_what_they_are(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]):
+    (tmp_path / "folder.ply").mkdir()
+    os.mkfifo(tmp_path / "pipe.ply")
+    maps = str(folder / "maps.npz")
+    assert "folder.ply: is a folder" in fails(capfd, "register", str(tmp_path / "folder.ply"), "--maps", maps)
+    assert "pipe.ply: is a pipe or a device" in fails(capfd, "register", str(tmp_path / "pipe.ply"), "--maps", maps)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are not those of Windows")
+def test_workers_of_a_killed_training_end(tmp_path: Path):
+    args = ["train", "bunny", "-o", str(tmp_path / "a.npz"), "--samples", "4000", "--maps", "30", "--workers", "2"]
+    command = [*IDO, *args]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as training:
+        parent = psutil.Process(training.pid)
+        workers: list[psutil.Process] = []
+        deadline = time.monotonic() + 60
+        while len(workers) < 2 and time.monotonic() < deadline:
+            workers = [child for child in parent.children() if "spawn_main" in " ".join(child.cmdline())]
+            time.sleep(0.1)
+        assert len(workers) == 2
+        training.kill()
+    _, alive = psutil.wait_procs(workers, timeout=60)
+    assert alive == []
 
 
 @pytest.mark.parametrize(

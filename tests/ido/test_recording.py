@@ -217,7 +217,7 @@ def test_a_flipped_byte_is_noticed_or_harmless(run: RecordedRun, saved: Path):
 def test_other_files_are_refused(small_maps: Maps, tmp_path: Path):
     with pytest.raises(RunError, match="no such file; save one with the page's button"):
         load_run(tmp_path / "missing.npz")
-    with pytest.raises(RunError, match="no such file"):
+    with pytest.raises(RunError, match="is a folder; name a file in it"):
         load_run(tmp_path)
     for name, content in {"text": b"hello", "pickle": pickle.dumps([1])}.items():
         (tmp_path / f"{name}.npz").write_bytes(content)

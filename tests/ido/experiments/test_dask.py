@@ -11,10 +11,11 @@ from typing import Any
 
 import pytest
 
-from ido import cli
+from ido import Perturbation, cli, perturb, shipped_cloud
 from ido.experiments import commands
 from ido.experiments.execution import Experiment, run_chunk
 from ido.experiments.store import Row, Store
+from ido.files import save_cloud
 
 dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
@@ -72,3 +73,19 @@ def test_no_cluster_at_an_address_is_one_clear_line(tmp_path: Path, capfd: pytes
     assert "127.0.0.1:1" in said
     assert "Traceback" not in said
     assert not path.exists()
+
+
+def test_a_folder_of_scans_is_registered_on_the_cluster_as_it_is_here(cluster: Any, tmp_path: Path):
+    (tmp_path / "scans").mkdir()
+    bunny = shipped_cloud("bunny")
+    for seed in range(3):
+        scene = perturb(bunny, Perturbation(seed=seed))
+        save_cloud(tmp_path / "scans" / f"{seed}.ply", bunny.frame.to_user_units(scene.points))
+    found = []
+    for name, who in (("here", ("--workers", "1")), ("there", ("--dask", cluster.scheduler_address))):
+        output = tmp_path / f"{name}.jsonl"
+        args = ["register", str(tmp_path / "scans"), "--maps", "bunny-front-back", "-o", str(output), *who]
+        assert cli.main(args) is None
+        found.append(sorted(output.read_text().splitlines()))
+    assert len(found[0]) == 4
+    assert found[0] == found[1]

@@ -20,7 +20,7 @@ import psutil
 import pytest
 
 from ido import Perturbation, cli, perturb, score, shipped_cloud
-from ido.experiments import LEVELS, commands, level_scene
+from ido.experiments import LEVELS, level_scene, workers
 from ido.experiments import execution as engine
 from ido.experiments.execution import FAILED, Chunk, Experiment, run, run_chunk
 from ido.experiments.families import COMPARED_METHODS
@@ -250,7 +250,7 @@ def use(monkeypatch: pytest.MonkeyPatch, executor: Executor) -> None:
     def local(workers: int) -> Iterator[tuple[Executor, int]]:
         yield executor, 3
 
-    monkeypatch.setattr(commands, "local_executor", local)
+    monkeypatch.setattr(workers, "local_executor", local)
 
 
 def test_a_lost_worker_is_one_clear_line(

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ido import SHAPES, Cloud, FrontBack, Model, TrainingSettings, load_cloud, shipped_results, train
-from ido.clouds import save_cloud
 from ido.experiments import LEVELS, Results
+from ido.files import save_cloud
 from ido.methods import LEARNED, method_names
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute

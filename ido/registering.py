@@ -1,0 +1,145 @@
+"""The command `ido register`: one scan, or all scans of a folder."""
+
+from __future__ import annotations
+
+from concurrent.futures import BrokenExecutor, Executor
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Annotated
+
+from rich.markup import escape
+from tyro.conf import arg
+
+from ido.arguments import MAPS_HELP, CloudName, HistogramName, maps_of, place_of
+from ido.console import note, progress_bar
+from ido.disk import check_apart, check_output, write_whole
+from ido.experiments.workers import executor_of
+from ido.files import save_cloud
+from ido.files.saving import SUFFIXES
+from ido.registration import EPSILON, MAX_ITERATIONS
+from ido.scan_folder import Row, ScanTask, missing, open_rows, register_all, scans_in
+from ido.scans import ScanSettings, as_text, register_scan
+from ido.user_units import Start
+
+
+def register_command(
+    cloud: CloudName,
+    maps: Annotated[str, arg(metavar="FILE.npz", help=f"Maps: a file {MAPS_HELP}")],
+    histogram: HistogramName | None = None,
+    start: Start = "here",
+    epsilon: float = EPSILON,
+    max_iterations: int = MAX_ITERATIONS,
+    output: Annotated[Path | None, arg(aliases=["-o"], metavar="POSE.json")] = None,
+    moved: Annotated[Path | None, arg(metavar="CLOUD.ply")] = None,
+    drop_invalid: bool = False,
+    force: bool = False,
+    strict: bool = False,
+    workers: int | None = None,
+    dask: Annotated[str | None, arg(metavar="ADDRESS")] = None,
+) -> int | None:
+    """Find the pose that moves a cloud onto the model of trained maps (the paper's Algorithm 2).
+
+    Writes one JSON object: T_model_scene, the 4x4 matrix that maps points of the cloud onto the model, in the units
+    of the cloud that the maps were trained on, which must be the cloud's units too; the number of iterations; why it
+    stopped (converged, iteration limit, diverged); whether it converged; figures of quality; and warnings, which also
+    go to standard error. To standard output unless -o is given.
+
+    That it converged does not say that the pose is right. The figures: near_share, the share of the cloud's points
+    within 0.1 of the model's half-size of it, and near_rmse, their distance from it; covered_share, the share of the
+    model that has such points; the cloud's spread along its principal axes, and size_ratio, as multiple of the
+    model's; step, to which its coordinates are rounded; and densest_share, of points that lie in one place.
+
+    The maps see only what lies near the model and were trained to turn it back by up to 90 degrees. A cloud that lies
+    elsewhere needs --start centre (the default is where it lies, as in the paper).
+
+    Of a cloud with more than 4000 points a random 4000 are registered, always the same ones. Meshes are sampled.
+
+    If the cloud is a folder, all files in it are registered. -o is then a file of JSON lines: a first one with the
+    settings, and one for each scan as soon as it is there, or with its error. Stop whenever you like: the same command
+    goes on from there. The exit code is 2 when a file could not be used.
+
+    Args:
+        cloud: File, folder or shipped shape.
+        maps: Maps to walk.
+        histogram: What the maps see, as module:Class, when it is a feature of your own.
+        start: Where to start: where the cloud lies, or with its bounding-box centre moved onto the model's.
+        epsilon: Stop once an update is shorter than this. The paper says 0.005; smaller is slower and more exact.
+        max_iterations: Stop after this many updates in any case.
+        output: Where the JSON goes.
+        moved: Also write the moved cloud with all its points, in order, and its other columns, to a PLY or XYZ file.
+        drop_invalid: Leave out points with coordinates that are not finite, instead of refusing the cloud.
+        force: Replace files that are already there.
+        strict: Exit with 3 when it did not converge or there are warnings.
+        workers: Processes that share a folder's scans out. Default: one for each core.
+        dask: Work on the Dask cluster with this scheduler (tcp://HOST:PORT), whose workers see the same files.
+    """
+    settings = ScanSettings(start=start, epsilon=epsilon, max_iterations=max_iterations, drop_invalid=drop_invalid)
+    if Path(cloud).is_dir():
+        if output is None or moved is not None:
+            raise ValueError(f"{cloud}: is a folder, so give -o FILE.jsonl for the poses, and no --moved")
+        who = executor_of(workers, dask)
+        return _register_folder(Path(cloud), maps, histogram, settings, output, who, force=force, strict=strict)
+    if workers is not None or dask is not None:
+        raise ValueError("--workers and --dask are for a folder of scans")
+    check_apart({"-o": output, "--moved": moved}, {"the cloud": place_of(cloud), "the maps file": place_of(maps)})
+    if output:
+        check_output(output, force=force)
+    if moved:
+        check_output(moved, *SUFFIXES, force=force)
+    scan = register_scan(maps_of(maps, histogram), cloud, settings, whole=moved is not None)
+    for text in scan.used.notes:
+        note(f"[bold]note:[/] {escape(text)}")
+    for doubt in scan.doubts:
+        note(f"[bold yellow]warning:[/] {escape(doubt)}")
+    if moved:
+        save_cloud(moved, scan.file.moved(scan.T_model_scene))
+    if output:
+        write_whole(output, f"{as_text(scan)}\n".encode())
+    else:
+        print(as_text(scan))
+    return 3 if strict and not scan.sure else None
+
+
+def _register_folder(
+    folder: Path,
+    maps: str,
+    histogram: str | None,
+    settings: ScanSettings,
+    output: Path,
+    who: AbstractContextManager[tuple[Executor, int]],
+    *,
+    force: bool,
+    strict: bool,
+) -> int | None:
+    scans = scans_in(folder)
+    check_apart({"-o": output}, {"the maps file": place_of(maps), **{path.name: path for path in scans}})
+    check_output(output, ".jsonl", force=True)
+    maps_of(maps, histogram)  # refused here, not by every worker
+    if force:
+        output.unlink(missing_ok=True)
+    kept = f"what is done is kept in {output}; the same command goes on from there"
+    with open_rows(output, maps, settings) as rows:
+        tasks = [ScanTask(str(path), maps, histogram, settings) for path in missing(scans, rows.found)]
+        with who as (executor, in_flight), progress_bar("{task.completed} of {task.total} scans") as progress:
+            task = progress.add_task("", total=len(scans), completed=len(scans) - len(tasks))
+
+            def record(row: Row) -> None:
+                rows.append(row)
+                progress.advance(task)
+
+            try:
+                register_all(tasks, executor, in_flight, record)
+            except KeyboardInterrupt:
+                note(f"interrupted; {escape(kept)}")
+                return 130
+            except BrokenExecutor as error:
+                raise BrokenExecutor(f"{str(error).rstrip('.')}; {kept}") from error
+        failed = [row for row in rows.found if "error" in row]
+        unsure = [row for row in rows.found if row not in failed and (row["warnings"] or not row["converged"])]
+    for row in failed:
+        note(f"[bold red]error:[/] {escape(row['error'])}")
+    for row in unsure:
+        reasons = "; ".join(row["warnings"]) or f"it did not converge ({row['stop']})"
+        note(f"[bold yellow]warning:[/] {escape(row['file'])}: {escape(reasons)}")
+    note(f"{len(rows.found)} scans, {len(failed)} of them not usable, {len(unsure)} doubtful: {escape(str(output))}")
+    return 2 if failed else 3 if strict and unsure else None
