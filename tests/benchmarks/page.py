@@ -2,8 +2,8 @@
 
     python tests/benchmarks/page.py [--size 1440x900] [--seconds 6]
 
-Needs Chromium (see tests/browser/conftest.py), which may draw in software. Only figures of one machine in one run can be
-compared: copy this file into another clone to measure two versions of the code in turn.
+Needs Chromium (see tests/browser/conftest.py), which may draw in software. Only figures of one machine in one run can
+be compared: copy this file into another clone to measure two versions of the code in turn.
 """
 
 from __future__ import annotations
