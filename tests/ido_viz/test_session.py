@@ -17,6 +17,7 @@ from tab import LENGTH, PAUSED, QUIET, Computing, Drawn, PageOfTab, Tab
 from ido import Perturbation
 from ido_viz import session as session_module
 from ido_viz.core.actions import Actions
+from ido_viz.core.clock import FRAME
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute
 from ido_viz.core.state import LAST, State, encode
@@ -351,7 +352,7 @@ def test_errors_while_playing_do_not_flood_the_page(tab: Tab, computing: Computi
     computing.failure = RuntimeError("boom")
     tab.set(noise=0.03)
     tab.wait("a note", lambda: bool(tab.notes))
-    time.sleep(10 * session_module.FRAME)
+    time.sleep(10 * FRAME)
     assert len(tab.notes) <= 2
 
 
