@@ -110,7 +110,7 @@ class Student:
 
     def __init__(self, gui: viser.GuiApi, state: State) -> None:
         self.opened: list[State] = []
-        self.folder = LessonFolder(gui, self.opened.append, state, 0)
+        self.folder = LessonFolder(gui, self.opened.append, state)
 
     def _send(self, handle: Any, value: str) -> None:
         handle._impl.value = value
