@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -62,7 +63,7 @@ def test_the_time_of_an_iteration_grows_evenly_with_how_far_the_points_move():
     run = compute(State(perturbation=FEW, left="DO", right="DO"), LIBRARY)
     points = run.scene.points.astype(np.float64)
     places = [RigidTransform.from_matrix(T).apply(points) for T in run.sides[0].T_model_scene]
-    moved = np.array([np.sqrt(((b - a) ** 2).sum(axis=1).mean()) for a, b in zip(places, places[1:], strict=False)])
+    moved = np.array([np.sqrt(((b - a) ** 2).sum(axis=1).mean()) for a, b in pairwise(places)])
     seconds = np.diff(Pacing(run).times)
     slope, shortest = np.polyfit(moved, seconds, 1)
     np.testing.assert_allclose(seconds, shortest + slope * moved, atol=1e-9)
@@ -120,5 +121,5 @@ def test_moments_are_evenly_spaced_in_time_from_start_to_end(pacing: Pacing, spe
     assert len(positions) <= most
     assert (positions[0], positions[-1]) == (0, len(pacing.times) - 1)
     assert apart >= 0.095
-    for before, after in zip(positions, positions[1:], strict=False):
+    for before, after in pairwise(positions.tolist()):
         assert pacing.after(before, apart, speed) == pytest.approx(after, abs=1e-6)
