@@ -151,7 +151,8 @@ class Session:
     def _grab(self, pane: int, phase: str, T_handles: FloatArray) -> None:
         start = None if self._drawn is None else self._hand.start_pose(self._drawn, pane, phase, T_handles)
         if start is not None:
-            self._change(lambda state: replace(state, start=start), show=True, replays=True)
+            at_start = {"iteration": 0, "playing": False}  # where it is in the hand
+            self._change(lambda state: replace(state, start=start, **at_start), show=True, replays=True)
 
     def _look(self, camera: tuple[float, ...]) -> None:
         with self._awake:  # nothing but the code has to be written anew, which the next frame does
