@@ -30,7 +30,7 @@ PAUSED = State(
     playing=False,
     replay=False,
 )
-NOT_WIDGETS = ("iteration", "playing")
+NOT_WIDGETS = ("iteration", "playing", "start", "camera")
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,8 @@ class Drawn:
     iteration: int
     held: bool
     """Whether the start is shown before it plays."""
+    at: float
+    """When, seconds."""
 
 
 class Widgets:
@@ -137,7 +139,7 @@ class PageOfTab:
 
     def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
         self.tab.may_cancel = may_cancel
-        self.tab.frames.append(Drawn(frame.state, frame.run, frame.k, frame.held))
+        self.tab.frames.append(Drawn(frame.state, frame.run, frame.k, frame.held, time.perf_counter()))
         self.tab.last_sign_of_life = time.perf_counter()
         if len(self.tab.frames) == 1:
             self.tab.actions.seen()

@@ -19,6 +19,7 @@ from ido_viz import session as session_module
 from ido_viz.core.actions import Actions
 from ido_viz.core.clock import FRAME
 from ido_viz.core.library import shipped_library
+from ido_viz.core.pacing import SHORTEST
 from ido_viz.core.run import compute
 from ido_viz.core.state import LAST, State, encode
 
@@ -138,7 +139,7 @@ def test_play_takes_its_time(tab: Tab):
     start = time.perf_counter()
     tab.actions.play()
     tab.wait("the end", lambda: tab.shown.iteration == LENGTH)
-    assert time.perf_counter() - start > 0.9 * LENGTH / 40
+    assert time.perf_counter() - start > 0.9 * (SHORTEST + 0.1 * LENGTH) * 15 / 40
 
 
 def test_play_starts_where_the_state_says(open_tab: Callable[..., Tab]):
