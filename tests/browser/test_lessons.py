@@ -16,6 +16,7 @@ def test_a_lesson_is_walked_left_and_taken_up_again(explorer: Explorer):
     for number, step in enumerate(chosen.steps, start=1):
         explorer.page.get_by_text(f"Step {number} of {len(chosen.steps)}").wait_for()
         explorer.wait_until(f"the page of step {number}", lambda step=step: at_rest(explorer) == at_its_end(step.state))
+        explorer.open_tab("Learn")
         if number < len(chosen.steps):
             explorer.press("Next")
     explorer.press("Back")

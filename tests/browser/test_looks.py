@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import Explorer, OpenExplorer, box_of, like
+from explorer import AT_THE_END, AT_THE_START, Explorer, OpenExplorer, box_of, like
 from PIL import Image
 
 from ido_viz.core import palette
-from ido_viz.core.state import LAST, State
 
 pytestmark = [
     pytest.mark.looks_at_canvas,
     pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning"),
 ]
-AT_THE_START = State(playing=False, iteration=0)
+COLORS = [palette.method_color(name) for name in (AT_THE_START.left, AT_THE_START.right)]
 DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
 VISIBLE = 150  # pixels
@@ -33,10 +33,7 @@ def see_both_panes(explorer: Explorer) -> None:
 
     def seen() -> bool:
         left, right = explorer.canvas_halves()
-        return (
-            like(left, palette.METHOD_COLORS[0]).sum() > VISIBLE
-            and like(right, palette.METHOD_COLORS[1]).sum() > VISIBLE
-        )
+        return like(left, COLORS[0]).sum() > VISIBLE and like(right, COLORS[1]).sum() > VISIBLE
 
     explorer.wait_until("both panes on the canvas", seen)
 
@@ -44,8 +41,8 @@ def see_both_panes(explorer: Explorer) -> None:
 def test_each_pane_shows_its_method_s_cloud_and_what_both_share(explorer: Explorer):
     see_both_panes(explorer)
     left, right = explorer.canvas_halves()
-    assert like(left, palette.METHOD_COLORS[1]).sum() == 0
-    assert like(right, palette.METHOD_COLORS[0]).sum() == 0
+    assert like(left, COLORS[1]).sum() == 0
+    assert like(right, COLORS[0]).sum() == 0
     for half in (left, right):
         assert like(half, palette.OUTLIER).sum() > VISIBLE
         assert like(half, palette.GHOST).sum() > VISIBLE / 3
@@ -75,7 +72,7 @@ def test_stepping_moves_both_clouds(at_the_start: Explorer):
 
     def moved() -> bool:
         after = at_the_start.canvas_halves()
-        changed = [like(a, c) ^ like(b, c) for a, b, c in zip(before, after, palette.METHOD_COLORS, strict=True)]
+        changed = [like(a, c) ^ like(b, c) for a, b, c in zip(before, after, COLORS, strict=True)]
         return all(pixels.sum() > VISIBLE for pixels in changed)
 
     at_the_start.wait_until("both clouds elsewhere", moved)
@@ -218,7 +215,7 @@ def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplor
 
 
 def test_on_a_phone_the_panes_are_seen_and_play_works(open_explorer: OpenExplorer):
-    explorer = open_explorer(State(playing=False, iteration=LAST, speed=60), PHONE)
+    explorer = open_explorer(replace(AT_THE_END, speed=60), PHONE)
     see_both_panes(explorer)
     play = explorer.page.get_by_role("button", name="Play (P)", exact=True)
     box = box_of(play)
