@@ -155,8 +155,7 @@ class Session:
             self._change(lambda state: replace(state, start=start, **at_start), show=True, replays=True)
 
     def _look(self, camera: tuple[float, ...]) -> None:
-        with self._awake:  # nothing but the code has to be written anew, which the next frame does
-            self._state = replace(self._state, camera=camera)
+        self._change(lambda state: replace(state, camera=camera))
 
     def _seen(self) -> None:
         with self._awake:
@@ -266,7 +265,7 @@ class Session:
             grab=self._grab,
             look=self._look,
             seen=self._seen,
-            reset_view=lambda: self._change(lambda state: replace(state, camera=NO_CAMERA)),
+            reset_view=lambda: self._change(lambda state: replace(state, camera=NO_CAMERA), show=True),
             undo=self._undo,
             redo=self._redo,
             redraw=self._wake,

@@ -44,10 +44,20 @@ class Camera:
         self._lock = threading.Lock()  # the camera's callbacks overtake each other
         camera.on_update(lambda _: self._on_update())
 
+    def begin(self, place: tuple[float, ...]) -> None:
+        """Look from a place of the state, if it was not looked from any yet; sent with the first frame, to tell of it.
+
+        Later frames may have been overtaken by a person who moves the camera, so they do not place it.
+        """
+        with self._lock:
+            if not self._aspect:
+                self._placed = place
+                self._place()
+
     def show(self, place: tuple[float, ...]) -> None:
         """Look from a place of the state, unless the page does already."""
         with self._lock:
-            if place != self._placed or not self._aspect:  # sent with the first frame, whose arrival it tells
+            if self._aspect and place != self._placed:
                 self._placed = place
                 self._place()
 
