@@ -27,7 +27,7 @@ HARD_TO_READ = """least => {
         .map(value => value / 255)
         .map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
         .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
-    const texts = [...document.querySelectorAll("input")].map(input => [input, input.value]);
+    const texts = [...document.querySelectorAll("input:not([type=checkbox])")].map(input => [input, input.value]);
     const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     while (walker.nextNode()) texts.push([walker.currentNode.parentElement, walker.currentNode.data]);
     return texts

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import AT_THE_END, AT_THE_START, Explorer, OpenExplorer, box_of, independent_run
+from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, independent_run
 from scipy.spatial.transform import Rotation
 
 from ido.types import FloatArray
 from ido_viz.canvas.pane import PANE_OFFSETS
 from ido_viz.core.geometry import upright
-from ido_viz.core.state import NO_CAMERA, NO_START, State
+from ido_viz.core.state import NO_CAMERA, NO_START
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
@@ -25,6 +25,9 @@ PLACES = """() => {
         .map(([element, box]) => [element.tagName, box.x, box.y, box.width, box.height].join(" "));
 }"""
 """Where everything in the control panel is, and the verdicts over the canvas."""
+
+
+ARROW = np.array([0.5, 0.0, 0.0])  # beyond the rings
 
 
 def camera_of(explorer: Explorer) -> FloatArray:
@@ -62,14 +65,14 @@ def drag(explorer: Explorer, start: tuple[float, float], by: tuple[float, float]
 def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenExplorer):
     explorer = open_explorer(AT_THE_START)
     before = explorer.state()
-    at = handle(explorer, 0, np.array([0.4, 0.0, 0.0]))
+    at = handle(explorer, 0, ARROW)
     drag(explorer, at, (60.0, 0.0))
     explorer.wait_until("the dragged scene", lambda: explorer.state().start != NO_START)
     state = explorer.expect_to_agree()
     ρ, φ = np.split(np.array(state.start), 2)
     assert ρ[0] > 0.1
     np.testing.assert_allclose([*ρ[1:], *φ], 0, atol=1e-3)
-    moved = handle(explorer, 0, np.array([0.4, 0.0, 0.0]))
+    moved = handle(explorer, 0, ARROW)
     assert moved[0] - at[0] == pytest.approx(60, abs=6)
     assert replace(state, start=NO_START) == before
     explorer.type_key("Control+z")
@@ -82,10 +85,11 @@ def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenEx
 
 @pytest.mark.parametrize("how", ["by the button", "by the key V"])
 def test_a_view_turned_by_the_mouse_is_kept_and_reset(explorer: Explorer, how: str):
+    explorer.pause(SETTLING)  # the panels find their places
     before, canvas = camera_of(explorer), box_of(explorer.canvas())
     drag(explorer, (canvas["x"] + 20, canvas["y"] + canvas["height"] / 2), (120.0, 30.0))
     explorer.wait_until("another view", lambda: explorer.state().camera != NO_CAMERA)
-    explorer.pause(500)  # it glides to its place
+    explorer.pause(SETTLING)
     assert np.abs(camera_of(explorer) - before).max() > 0.2
     if how == "by the key V":
         explorer.type_key("v")
@@ -119,7 +123,8 @@ def test_another_scene_is_played_from_its_start(open_explorer: OpenExplorer):
 
 
 def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExplorer):
-    explorer = open_explorer(State(speed=60))
+    explorer = open_explorer(replace(AT_THE_START, speed=30))
+    explorer.press("Play (P)")
     explorer.wait_until("some iterations", lambda: explorer.iteration() > 2)
     playing, places = explorer.is_playing(), explorer.page.evaluate(PLACES)
     assert playing and len(places) > 40
