@@ -6,7 +6,7 @@ import viser
 
 from ido_viz.core.state import State
 
-CONTROLS_WIDTH = 310
+CONTROLS_WIDTH = 314
 CHARTS_WIDTH = 390
 LARGE_TEXT = 1.25
 """How much larger text is for a projector."""

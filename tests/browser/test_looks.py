@@ -10,6 +10,7 @@ import pytest
 from explorer import AT_THE_END, AT_THE_START, Explorer, OpenExplorer, box_of, like
 from PIL import Image
 
+from ido import RANGES
 from ido_viz.core import palette
 
 pytestmark = [
@@ -21,6 +22,7 @@ DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
 VISIBLE = 150  # pixels
 SLIP = 2.0  # pixels
+SHORTEST_TRACK = 120  # of a slider, pixels: what one can aim with
 
 
 @pytest.fixture
@@ -29,16 +31,17 @@ def at_the_start(open_explorer: OpenExplorer) -> Explorer:
 
 
 def see_both_panes(explorer: Explorer) -> None:
-    """Wait until each method's colour is seen in its own half."""
+    """Wait until each method's cloud is seen in its own half, on its way or arrived."""
 
     def seen() -> bool:
-        left, right = explorer.canvas_halves()
-        return like(left, COLORS[0]).sum() > VISIBLE and like(right, COLORS[1]).sum() > VISIBLE
+        clouds = zip(explorer.canvas_halves(), COLORS, strict=True)
+        return all((like(half, color) | like(half, palette.ARRIVED)).sum() > VISIBLE for half, color in clouds)
 
     explorer.wait_until("both panes on the canvas", seen)
 
 
-def test_each_pane_shows_its_method_s_cloud_and_what_both_share(explorer: Explorer):
+def test_each_pane_shows_its_method_s_cloud_and_what_both_share(at_the_start: Explorer):
+    explorer = at_the_start
     see_both_panes(explorer)
     left, right = explorer.canvas_halves()
     assert like(left, COLORS[1]).sum() == 0
@@ -46,8 +49,18 @@ def test_each_pane_shows_its_method_s_cloud_and_what_both_share(explorer: Explor
     for half in (left, right):
         assert like(half, palette.OUTLIER).sum() > VISIBLE
         assert like(half, palette.GHOST).sum() > VISIBLE / 3
-        grey = (np.ptp(half, axis=2) < 8) & (half.max(axis=2) < 160)
-        assert grey.sum() > VISIBLE
+        surface = (np.ptp(half, axis=2) < 8) & (half.max(axis=2) < 240)
+        assert surface.sum() > 20 * VISIBLE
+    arrived = [like(half, palette.ARRIVED).sum() for half in (left, right)]
+    explorer.press("Last")
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+    explorer.wait_until(
+        "points that have arrived",
+        lambda: all(
+            like(half, palette.ARRIVED).sum() > before + VISIBLE
+            for half, before in zip(explorer.canvas_halves(), arrived, strict=True)
+        ),
+    )
 
 
 def test_what_is_switched_off_leaves_the_canvas(explorer: Explorer):
@@ -190,6 +203,10 @@ def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplor
     left_edge, right_edge = canvas["x"], canvas["x"] + canvas["width"]
     assert canvas["width"] > 0.35 * width
     assert canvas["height"] > 0.9 * height
+    for name in RANGES:
+        track, row = explorer.row(name.capitalize()).locator(".mantine-Slider-track"), explorer.row(name.capitalize())
+        assert box_of(track)["width"] >= SHORTEST_TRACK, name
+        assert 0 <= box_of(row)["y"] <= height - box_of(row)["height"], f"{name} is not seen without scrolling"
     for name in ("Play (P)", "First (R)", "Back (B)", "Next (N)", "Last", "New seed", "Paper defaults"):
         box = box_of(explorer.page.get_by_role("button", name=name, exact=True))
         assert box["x"] >= 0, name

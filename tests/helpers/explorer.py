@@ -296,8 +296,8 @@ class Explorer:
         return self.page.locator("canvas[data-engine]")
 
     def canvas_halves(self) -> tuple[np.ndarray, np.ndarray]:
-        """The pixels of the canvas's left and right half, each of shape (height, width, 3)."""
-        shot = self.page.screenshot(clip=box_of(self.canvas()))
+        """The pixels of the canvas's left and right half, each of shape (height, width, 3), without what is written."""
+        shot = self.page.screenshot(clip=box_of(self.canvas()), style=".over-canvas { visibility: hidden; }")
         pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
         middle = pixels.shape[1] // 2
         return pixels[:, :middle], pixels[:, middle:]
