@@ -58,6 +58,6 @@ def test_all_text_can_be_read(explorer: Explorer, dark: bool):
     found = []
     for tab in (*TABS, *CHART_TABS):
         explorer.open_tab(tab)
-        explorer.pause(300)  # colours fade over
+        explorer.pause(150)  # colours fade over
         found += [[tab, *text] for text in explorer.page.evaluate(HARD_TO_READ, READABLE)]
     assert found == []
