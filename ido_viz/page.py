@@ -98,8 +98,9 @@ class Page:
         return self._controls.read(state)
 
     def show(self, state: State) -> None:
-        """Write a state into the widgets."""
+        """Write a state into the widgets, and look from its camera."""
         self._controls.show(state)
+        self._canvas.look(state.camera)
 
     def show_iteration(self, frame: Frame) -> None:
         """Write the iteration."""

@@ -220,7 +220,8 @@ class Session:
         start = None if self._drawn is None else self._hand.start_pose(self._drawn, pane, phase, T_handles)
         if start is not None:
             wait = AFTER_LETTING_GO if phase == "end" else IN_HAND
-            self._change(lambda state: replace(state, start=start), show=True, replays_after=wait)
+            at_start = {"iteration": 0, "playing": False, "inside": 0.0}  # where it is in the hand
+            self._change(lambda state: replace(state, start=start, **at_start), show=True, replays_after=wait)
 
     def _look(self, camera: tuple[float, ...]) -> None:
         with self._awake:  # asks for no frame: nothing but the address has to be written anew
@@ -388,7 +389,7 @@ class Session:
             look_inside=self._look_inside,
             to_beat=self._to_beat,
             seen=self._seen,
-            reset_view=lambda: self._change(lambda state: replace(state, camera=NO_CAMERA)),
+            reset_view=lambda: self._change(lambda state: replace(state, camera=NO_CAMERA), show=True),
             undo=self._undo,
             redo=self._redo,
             redraw=self._wake,

@@ -46,12 +46,29 @@ class Camera:
         self._lock = threading.Lock()  # the camera's callbacks overtake each other
         camera.on_update(lambda _: self._on_update())
 
-    def show(self, place: tuple[float, ...], *, lifted: bool) -> None:
-        """Look from a place of the state, unless the page does already; lifted panes leave room below them."""
+    def begin(self, place: tuple[float, ...]) -> None:
+        """Look from a place of the state, if it was not looked from any yet; sent with the first frame, to tell of it.
+
+        Later frames may have been overtaken by a person who moves the camera, so they do not place it.
+        """
         with self._lock:
-            if (place, lifted) != (self._placed, self._lifted) or not self._aspect:
-                # the first time with the first frame, whose arrival it tells
-                self._placed, self._lifted = place, lifted
+            if not self._aspect:
+                self._placed = place
+                self._place()
+
+    def lift(self, lifted: bool) -> None:
+        """Leave room below the panes, or no longer."""
+        with self._lock:
+            if lifted != self._lifted:
+                self._lifted = lifted
+                if self._aspect:
+                    self._place()
+
+    def show(self, place: tuple[float, ...]) -> None:
+        """Look from a place of the state, unless the page does already."""
+        with self._lock:
+            if self._aspect and place != self._placed:
+                self._placed = place
                 self._place()
 
     def _on_update(self) -> None:

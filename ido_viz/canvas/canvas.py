@@ -39,10 +39,15 @@ class Canvas:
         self._camera = Camera(client.camera, actions.look, actions.seen)
 
     def draw(self, frame: Frame, *, lifted: bool = False) -> None:
-        """Draw both panes, seen from where the state says, and lifted where something stands below them."""
+        """Draw both panes, lifted where something stands below them; the first time, seen from where the state says."""
         for pane in self._panes:
             pane.draw(frame)
-        self._camera.show(frame.state.camera, lifted=lifted)
+        self._camera.lift(lifted)
+        self._camera.begin(frame.state.camera)
+
+    def look(self, camera: tuple[float, ...]) -> None:
+        """Look from a place of the state."""
+        self._camera.show(camera)
 
     def move(self, frame: Frame) -> None:
         """Move both scenes to where a frame has them, and nothing else."""

@@ -7,6 +7,7 @@ import numpy as np
 from ido import poses
 from ido.types import FloatArray
 from ido_viz.core.frame import Frame
+from ido_viz.core.state import FARTHEST
 
 
 class Hand:
@@ -16,7 +17,9 @@ class Hand:
         self._grip: FloatArray | None = None  # T_handles^-1 T_start
 
     def start_pose(self, drawn: Frame, pane: int, phase: str, T_handles: FloatArray) -> tuple[float, ...] | None:
-        """The state's start pose when the handles are somewhere; None for a gesture whose start was missed.
+        """The state's start pose when the handles are somewhere.
+
+        None for a gesture whose start was missed, and where the handles are farther away than a state can hold.
 
         Args:
             drawn: what the page shows: at the start of a gesture the scene is taken from where it lies there.
@@ -29,7 +32,7 @@ class Hand:
             self._grip = poses.invert(T_handles) @ drawn.sides[pane].T_model_scene @ before
         if self._grip is None:
             return None
-        start = poses.log(T_handles @ self._grip)
+        start = np.round(poses.log(T_handles @ self._grip), 4)
         if phase == "end":
             self._grip = None
-        return tuple(np.round(start, 4).tolist())
+        return tuple(start.tolist()) if np.abs(start).max() <= FARTHEST else None

@@ -40,8 +40,8 @@ _VERDICTS = {
     Verdict.FAILED: (190, 30, 45),
 }
 
-PAGES: tuple[Color, Color] = ((255, 255, 255), (26, 27, 30))
-"""Background of a light and of a dark page, a little darker or lighter in places."""
+PAGES: tuple[Color, Color] = ((255, 255, 255), (36, 36, 36))
+"""Background of a light and of a dark page, a little darker in places."""
 
 CONTRAST = 4.6
 """Of all text against the page, at least; WCAG asks for 4.5."""

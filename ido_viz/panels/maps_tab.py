@@ -42,11 +42,11 @@ class MapsTab:
         state = frame.state
         for pictures, side in zip(self._shown, frame.sides, strict=True):
             run = side.run
-            look = (run.method, run.maps, bool(run.waiting), side.shown_map, state.pinned_map == 0)
+            look = (run.method, run.maps, bool(run.waiting), side.shown_map, state.pinned_map == 0, state.dark)
             look += (side.order.tobytes(), state.inspected)
             pictures.draw(look, lambda side=side: _shown_html(side, state))
         of_sides = ((side.run.method, side.run.maps, bool(side.run.waiting)) for side in frame.sides)
-        self._compared.draw((*of_sides, state.order, state.inspected), lambda: _compared_html(frame))
+        self._compared.draw((*of_sides, state.order, state.inspected, state.dark), lambda: _compared_html(frame))
 
 
 class _Pictures:

@@ -6,19 +6,24 @@ import viser
 
 from ido_viz.core.state import State
 
-CONTROLS_WIDTH = 310
+CONTROLS_WIDTH = 314
 CHARTS_WIDTH = 390
 LARGE_TEXT = 1.25
 """How much larger text is for a projector."""
 
 # viser gives all labels the width of its widest; ours are short, and sliders must be long enough to aim with.
-# Its grey of labels is too pale to be read from the back of a room.
+# Its greys and its blue are too pale to be read from the back of a room.
 _STYLE = """
 div[style*="width: 7.25em"] { width: 5.6em !important; }
 [role=tab] { padding-inline: 0.6rem !important; }
 .mantine-Button-root[data-size="compact-xs"] { --button-padding-x: 0.25rem !important; }
-:root[data-mantine-color-scheme="light"] { --mantine-color-dimmed: #565d64 !important; }
-:root[data-mantine-color-scheme="dark"] { --mantine-color-dimmed: #a9afb5 !important; }
+:root[data-mantine-color-scheme="light"] { --mantine-color-dimmed: #565d64 !important;
+  --mantine-color-gray-filled: #565d64 !important; --for-text: var(--mantine-primary-color-8); }
+:root[data-mantine-color-scheme="dark"] { --mantine-color-dimmed: #a9afb5 !important;
+  --for-text: var(--mantine-primary-color-4); }
+.mantine-Slider-markLabel, .mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
+.mantine-Button-root[data-variant="outline"] { --button-color: var(--for-text) !important; }
+[role=tab][aria-selected=true] { color: var(--for-text) !important; }
 """
 _WIDER = 1.14  # panels are then, less than the text, for the canvas needs its room
 

@@ -11,6 +11,7 @@ import pytest
 from explorer import AT_THE_END, SMALL, Explorer, OpenExplorer
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
+from ido_viz import session
 from ido_viz.app import App
 from ido_viz.core.state import State
 
@@ -65,6 +66,12 @@ def app_for() -> Iterator[Callable[[State], App]]:
     yield started
     for app in apps.values():
         app.stop()
+
+
+@pytest.fixture(autouse=True)
+def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Prepared pages play at once."""
+    monkeypatch.setattr(session, "FIRST_LOOK", 0.1)
 
 
 @pytest.fixture

@@ -14,12 +14,11 @@ def test_parts_hidden_by_a_lecturer_are_hidden_by_the_code_and_come_back(open_ex
     lecturer, student = open_explorer(), open_explorer()
     for part in ("scores", "methods"):
         lecturer.tick(f"Hide {part}")
-    folder = lecturer.page.get_by_text("Methods and stopping", exact=True)
-    folder.wait_for(state="hidden")
+    lecturer.row("Left pane").wait_for(state="hidden")
     lecturer.page.locator("table.readout").wait_for(state="hidden")
     lecturer.wait_until("the code", lambda: lecturer.state().hidden == ("scores", "methods"))
     student.paste(lecturer.code())
-    student.page.get_by_text("Methods and stopping", exact=True).wait_for(state="hidden")
+    student.row("Left pane").wait_for(state="hidden")
     student.page.locator("table.readout").wait_for(state="hidden")
     assert student.row("Rotation").is_visible()
     student.open_tab("Errors")
@@ -80,7 +79,10 @@ def test_a_page_is_used_by_keyboard_alone(explorer: Explorer):
     for _ in range(5):
         keyboard.press("ArrowRight")
     explorer.wait_until("five degrees more", lambda: explorer.slider_value("Rotation") == rotation + 5)
-    for label in ("Left pane", "State"):
+    for tab, label in (("Methods", "Left pane"), ("Share", "State")):
+        tab_to(explorer.page.get_by_role("tab", name=tab, exact=True))
+        keyboard.press("Enter")
+        explorer.page.get_by_text(label, exact=True).wait_for()
         tab_to(explorer.field(label))
     for name in ("Errors", "Inspect"):
         tab_to(explorer.page.get_by_role("tab", name=name, exact=True))

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import Explorer, OpenExplorer, box_of, like
+from explorer import AT_THE_END, AT_THE_START, Explorer, OpenExplorer, box_of, like
 from PIL import Image
 
+from ido import RANGES
 from ido_viz.core import palette
-from ido_viz.core.state import LAST, State
 
 pytestmark = [
     pytest.mark.looks_at_canvas,
     pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning"),
 ]
-AT_THE_START = State(playing=False, iteration=0)
+COLORS = [palette.method_color(name) for name in (AT_THE_START.left, AT_THE_START.right)]
 DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
 VISIBLE = 150  # pixels
 SLIP = 2.0  # pixels
+SHORTEST_TRACK = 120  # of a slider, pixels: what one can aim with
 
 
 @pytest.fixture
@@ -29,38 +31,56 @@ def at_the_start(open_explorer: OpenExplorer) -> Explorer:
 
 
 def see_both_panes(explorer: Explorer) -> None:
-    """Wait until each method's colour is seen in its own half."""
+    """Wait until each method's cloud is seen in its own half, on its way or arrived."""
 
     def seen() -> bool:
-        left, right = explorer.canvas_halves()
-        return (
-            like(left, palette.METHOD_COLORS[0]).sum() > VISIBLE
-            and like(right, palette.METHOD_COLORS[1]).sum() > VISIBLE
-        )
+        clouds = zip(explorer.canvas_halves(), COLORS, strict=True)
+        return all((like(half, color) | like(half, palette.ARRIVED)).sum() > VISIBLE for half, color in clouds)
 
     explorer.wait_until("both panes on the canvas", seen)
 
 
-def test_each_pane_shows_its_method_s_cloud_and_what_both_share(explorer: Explorer):
+def test_each_pane_shows_its_method_s_cloud_and_what_both_share(at_the_start: Explorer):
+    explorer = at_the_start
     see_both_panes(explorer)
     left, right = explorer.canvas_halves()
-    assert like(left, palette.METHOD_COLORS[1]).sum() == 0
-    assert like(right, palette.METHOD_COLORS[0]).sum() == 0
+    assert like(left, COLORS[1]).sum() == 0
+    assert like(right, COLORS[0]).sum() == 0
     for half in (left, right):
         assert like(half, palette.OUTLIER).sum() > VISIBLE
-        assert like(half, palette.GHOST).sum() > VISIBLE / 3
-        grey = (np.ptp(half, axis=2) < 8) & (half.max(axis=2) < 160)
-        assert grey.sum() > VISIBLE
+        assert hollow_places(half).sum() > VISIBLE / 3
+        surface = (np.ptp(half, axis=2) < 8) & (half.max(axis=2) < 240)
+        assert surface.sum() > 20 * VISIBLE
+    arrived = [like(half, palette.ARRIVED).sum() for half in (left, right)]
+    explorer.press("Last")
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+    explorer.wait_until(
+        "points that have arrived",
+        lambda: all(
+            like(half, palette.ARRIVED).sum() > before + VISIBLE
+            for half, before in zip(explorer.canvas_halves(), arrived, strict=True)
+        ),
+    )
 
 
-def test_what_is_switched_off_leaves_the_canvas(explorer: Explorer):
+def hollow_places(half: np.ndarray) -> np.ndarray:
+    """Which pixels are of the edges of hollow places, shape (height, width): green, but blended with what is behind."""
+    red, green, blue = np.moveaxis(half, 2, 0)
+    return (green - red > 40) & (np.abs(green - blue) < 25)
+
+
+def test_what_is_switched_off_leaves_the_canvas(at_the_start: Explorer):
+    explorer = at_the_start
     see_both_panes(explorer)
 
     def pixels_of(color: palette.Color) -> int:
         return sum(int(like(half, color).sum()) for half in explorer.canvas_halves())
 
+    explorer.tick("Handles")  # one of them is green, too
     explorer.tick("Where it belongs")
-    explorer.wait_until("the ghosts gone", lambda: pixels_of(palette.GHOST) < 10)
+    explorer.wait_until(
+        "the hollow places gone", lambda: all(hollow_places(half).sum() < 10 for half in explorer.canvas_halves())
+    )
     explorer.drag("Outliers", -0.2)
     explorer.wait_until("the outliers gone", lambda: pixels_of(palette.OUTLIER) < 10)
     see_both_panes(explorer)
@@ -75,7 +95,7 @@ def test_stepping_moves_both_clouds(at_the_start: Explorer):
 
     def moved() -> bool:
         after = at_the_start.canvas_halves()
-        changed = [like(a, c) ^ like(b, c) for a, b, c in zip(before, after, palette.METHOD_COLORS, strict=True)]
+        changed = [like(a, c) ^ like(b, c) for a, b, c in zip(before, after, COLORS, strict=True)]
         return all(pixels.sum() > VISIBLE for pixels in changed)
 
     at_the_start.wait_until("both clouds elsewhere", moved)
@@ -193,6 +213,10 @@ def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplor
     left_edge, right_edge = canvas["x"], canvas["x"] + canvas["width"]
     assert canvas["width"] > 0.35 * width
     assert canvas["height"] > 0.9 * height
+    for name in RANGES:
+        track, row = explorer.row(name.capitalize()).locator(".mantine-Slider-track"), explorer.row(name.capitalize())
+        assert box_of(track)["width"] >= SHORTEST_TRACK, name
+        assert 0 <= box_of(row)["y"] <= height - box_of(row)["height"], f"{name} is not seen without scrolling"
     for name in ("Play (P)", "First (R)", "Back (B)", "Next (N)", "Last", "New seed", "Paper defaults"):
         box = box_of(explorer.page.get_by_role("button", name=name, exact=True))
         assert box["x"] >= 0, name
@@ -218,7 +242,7 @@ def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplor
 
 
 def test_on_a_phone_the_panes_are_seen_and_play_works(open_explorer: OpenExplorer):
-    explorer = open_explorer(State(playing=False, iteration=LAST, speed=60), PHONE)
+    explorer = open_explorer(replace(AT_THE_END, speed=60), PHONE)
     see_both_panes(explorer)
     play = explorer.page.get_by_role("button", name="Play (P)", exact=True)
     box = box_of(play)

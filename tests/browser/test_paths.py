@@ -13,7 +13,7 @@ def test_a_researcher_finds_the_bin_that_misleads_most_in_a_failing_case(explore
     explorer.press("Only Improved DO fails")
     explorer.wait_until("another scene", lambda: explorer.is_playing())
     explorer.press("Last")
-    explorer.wait_until("the failing case", lambda: "wrong pose" in explorer.numbers()["Stops"][1])
+    explorer.wait_until("the failing case", lambda: "wrong pose" in explorer.verdicts()[1])
     explorer.open_tab("Inspect")
     explorer.choose("Model colours", "towards the truth")
     explorer.wait_until("its shares", lambda: explorer.state().coloring == "towards the truth")

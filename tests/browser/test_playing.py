@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from explorer import Explorer, OpenExplorer
+from explorer import AT_THE_START, Explorer, OpenExplorer
 
 from ido_viz.core.state import LAST, State
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
-AT_THE_START = State(playing=False, iteration=0)
 
 
 @pytest.fixture
@@ -17,7 +16,7 @@ def at_the_start(open_explorer: OpenExplorer) -> Explorer:
 
 
 def test_a_new_page_plays_by_itself_to_the_end(open_explorer: OpenExplorer):
-    explorer = open_explorer(State())
+    explorer = open_explorer(State(speed=60))
     explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
     explorer.wait_until("the end of playing", lambda: not explorer.is_playing())
     explorer.expect_to_agree()
@@ -34,7 +33,7 @@ def test_play_moves_the_iteration_pauses_and_ends(at_the_start: Explorer, how: s
         else:
             explorer.press("Pause (P)" if explorer.is_playing() else "Play (P)")
 
-    explorer.drag("Speed", 0.0)
+    explorer.drag("Speed", 0.2)
     toggle()
     explorer.wait_until("two iterations", lambda: explorer.iteration() >= 2)
     assert explorer.is_playing()
@@ -51,7 +50,7 @@ def test_play_moves_the_iteration_pauses_and_ends(at_the_start: Explorer, how: s
 
 def test_play_at_the_end_starts_again(explorer: Explorer):
     assert explorer.iteration() == explorer.last_iteration()
-    explorer.drag("Speed", 0.0)
+    explorer.drag("Speed", 0.2)
     explorer.press("Play (P)")
     explorer.wait_until("the beginning", lambda: explorer.iteration() < 5)
     assert explorer.is_playing()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from explorer import Explorer
+from explorer import AT_THE_START, Explorer
 from playwright.sync_api import Browser, ViewportSize
 
 from ido import Cloud
@@ -58,7 +59,7 @@ def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], E
 
 
 def test_an_own_method_is_shown_stepped_and_follows_the_scene(open_own: Callable[[State], Explorer], library: Library):
-    explorer = open_own(State(left=PERSONAL, playing=False, iteration=0))
+    explorer = open_own(replace(AT_THE_START, left=PERSONAL))
 
     def agrees() -> bool:
         side, k = compute(explorer.state(), library).sides[0], explorer.iteration()
@@ -78,7 +79,7 @@ def test_an_own_method_is_shown_stepped_and_follows_the_scene(open_own: Callable
 
 
 def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(open_own: Callable[[State], Explorer]):
-    explorer = open_own(State(left="Broken", playing=False, iteration=0))
+    explorer = open_own(replace(AT_THE_START, left="Broken"))
     trace = explorer.page.locator(".trace")
     trace.wait_for()
     text = trace.inner_text()

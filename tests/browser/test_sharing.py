@@ -17,6 +17,7 @@ ELSEWHERE = State(
     right="DO",
     iteration=6,
     playing=False,
+    replay=False,
     order="elevation",
     pinned_map=15,
 )

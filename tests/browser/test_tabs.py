@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
-from explorer import Explorer, OpenExplorer
+from explorer import AT_THE_END, Explorer, OpenExplorer
 from playwright.sync_api import Browser
 
 from ido_viz.app import App
-from ido_viz.core.state import LAST, State
+from ido_viz.core.state import State
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
@@ -31,7 +32,7 @@ def test_two_tabs_do_not_disturb_each_other(open_explorer: OpenExplorer):
 
 
 def test_ten_tabs_at_once_get_ready_and_are_freed_when_closed(open_explorer: OpenExplorer):
-    state = State(playing=False, iteration=LAST, speed=30)  # an app of their own
+    state = replace(AT_THE_END, speed=30)  # an app of their own
     tabs = [open_explorer(state, (500, 400), wait=False) for _ in range(10)]
     for tab in tabs:
         tab.page.goto(tab.app.url, wait_until="commit")
@@ -51,7 +52,7 @@ def test_ten_tabs_at_once_get_ready_and_are_freed_when_closed(open_explorer: Ope
 def test_tabs_closed_before_they_are_ready_are_freed(
     browser: Browser, app_for: Callable[[State], App], open_explorer: OpenExplorer
 ):
-    state = State(playing=False, iteration=LAST, speed=29)  # an app of their own
+    state = replace(AT_THE_END, speed=29)  # an app of their own
     app = app_for(state)
     for patience in (0, 100, 400):
         page = browser.new_page()

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from typing import get_args
 
 import numpy as np
 from PIL import Image
@@ -16,10 +17,35 @@ from playwright.sync_api import FloatRect, Locator, Page
 from ido_viz.app import App
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import MethodRun, Run, compute
-from ido_viz.core.state import LAST, State, decode
+from ido_viz.core.state import LAST, Part, State, decode
 
 SMALL = (1200, 700)  # software rendering takes its time for each pixel
-AT_THE_END = State(playing=False, iteration=LAST)
+AT_THE_START = State(playing=False, replay=False)
+AT_THE_END = replace(AT_THE_START, iteration=LAST)
+
+TABS = {
+    "Scene": ("Outlier kind", "Seed", "Play a change", "New seed", "Paper defaults"),
+    "Learn": ("Lesson", "Only Improved DO fails"),
+    "Methods": ("Left pane", "Right pane", "Stop below ε", "Most iterations"),
+    "View": (
+        "Reset view (V)",
+        "Order bins by",
+        "Histogram minus reference",
+        "Maps follow the iteration",
+        "Map",
+        "Where it belongs",
+        "Handles",
+        "Error vectors",
+        "Overlay",
+        "At iteration",
+        "Dark",
+        "Large text",
+    ),
+    "Share": ("State", *(f"Hide {part}" for part in get_args(Part))),
+}
+"""The tabs of the control panel and what is in each. Of the rest nothing is on the page while another is open."""
+
+TAB_OF = {label: tab for tab, labels in TABS.items() for label in labels}
 
 PATIENCE = 45.0  # seconds; only a failing test waits that long
 BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
@@ -71,7 +97,7 @@ def numbers_of(state: State) -> Numbers:
                 f"{side.scores.rmse[k]:.4f}",
                 f"{side.scores.rotation[k]:.2f}°",
                 f"{side.scores.translation[k]:.4f}",
-                "moving" if k < n else f"{side.trajectory.stop}, {side.verdict(k)}",
+                "moving" if k < n else str(side.trajectory.stop),
             )
         )
     names = ("Iteration", "Next update", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")
@@ -131,6 +157,10 @@ class Explorer:
     def last_iteration(self) -> int:
         """The last iteration, of the method that takes longer."""
         return max(int(cell.split("/")[1]) for cell in self.numbers()["Iteration"])
+
+    def verdicts(self) -> list[str]:
+        """What is said of each pane over the canvas."""
+        return self.page.locator(".verdict").all_inner_texts()
 
     def code(self) -> str:
         """What the Share box holds."""
@@ -193,7 +223,8 @@ class Explorer:
     # What can be done
 
     def press(self, button: str) -> None:
-        """Press a button."""
+        """Press a button, in its tab."""
+        self.open_tab_of(button)
         self.page.get_by_role("button", name=button, exact=True).click()
 
     def type_key(self, key: str) -> None:
@@ -202,7 +233,8 @@ class Explorer:
         self.page.keyboard.press(key)
 
     def row(self, label: str) -> Locator:
-        """The row of the control panel that has this label."""
+        """The row of the control panel that has this label, in its tab."""
+        self.open_tab_of(label)
         return self.page.locator("label").filter(has_text=re.compile(f"^{re.escape(label)}$")).locator("xpath=../../..")
 
     def field(self, label: str) -> Locator:
@@ -257,14 +289,18 @@ class Explorer:
 
     def paste(self, code: str) -> None:
         """Paste a code into the Share box."""
-        if not self.field("State").is_visible():
-            self.page.get_by_text("Share", exact=True).click()
         self.field("State").fill(code)
         self.pause()
 
     def open_tab(self, name: str) -> None:
         """Open a tab of a panel."""
         self.page.get_by_role("tab", name=name, exact=True).click()
+
+    def open_tab_of(self, label: str) -> None:
+        """Open the tab of the control panel that something is in, unless it is open or there is none."""
+        tab = self.page.get_by_role("tab", name=TAB_OF.get(label, ""), exact=True)
+        if label in TAB_OF and tab.get_attribute("aria-selected") != "true":
+            tab.click()
 
     # Pictures
 
@@ -273,8 +309,8 @@ class Explorer:
         return self.page.locator("canvas[data-engine]")
 
     def canvas_halves(self) -> tuple[np.ndarray, np.ndarray]:
-        """The pixels of the canvas's left and right half, each of shape (height, width, 3)."""
-        shot = self.page.screenshot(clip=box_of(self.canvas()))
+        """The pixels of the canvas's left and right half, each of shape (height, width, 3), without what is written."""
+        shot = self.page.screenshot(clip=box_of(self.canvas()), style=".over-canvas { visibility: hidden; }")
         pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
         middle = pixels.shape[1] // 2
         return pixels[:, :middle], pixels[:, middle:]

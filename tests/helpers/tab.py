@@ -25,9 +25,13 @@ PATIENCE = 40.0  # seconds; only a failing test waits that long
 QUIET = 0.2  # seconds without a frame after which nothing more is to come
 LENGTH = 12
 PAUSED = State(
-    perturbation=Perturbation(points=100, outliers=0, rotation=30.0), max_iterations=LENGTH, playing=False, iteration=0
+    perturbation=Perturbation(points=100, outliers=0, rotation=30.0),
+    max_iterations=LENGTH,
+    iteration=0,
+    playing=False,
+    replay=False,
 )
-NOT_WIDGETS = ("iteration", "playing")
+NOT_WIDGETS = ("iteration", "playing", "start", "camera")
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,10 @@ class Drawn:
     state: State
     run: Run
     iteration: int
+    held: bool
+    """Whether the start is shown before it plays."""
+    at: float
+    """When, seconds."""
 
 
 class Widgets:
@@ -58,6 +66,7 @@ class Tab:
     def __init__(self, state: State = PAUSED) -> None:
         self.client_id = id(self)
         self.frames: list[Drawn] = []
+        self.moves: list[Frame] = []
         self.notes: list[str] = []
         self.gui = Widgets()
         self.widgets = state
@@ -108,7 +117,10 @@ class Tab:
 
 
 class PageOfTab:
-    """Stands for the page: `read` takes the tab's widgets, `show` writes into them, `draw` is noted."""
+    """Stands for the page: `read` takes the tab's widgets, `show` writes into them, `draw` and `move` are noted.
+
+    Without a camera, it has seen its first frame as soon as that is drawn.
+    """
 
     fail_reading = False
 
@@ -135,7 +147,13 @@ class PageOfTab:
 
     def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
         self.tab.may_cancel = may_cancel
-        self.tab.frames.append(Drawn(frame.state, frame.run, frame.k))
+        self.tab.frames.append(Drawn(frame.state, frame.run, frame.k, frame.held, time.perf_counter()))
+        self.tab.last_sign_of_life = time.perf_counter()
+        if len(self.tab.frames) == 1:
+            self.tab.actions.seen()
+
+    def move(self, frame: Frame) -> None:
+        self.tab.moves.append(frame)
         self.tab.last_sign_of_life = time.perf_counter()
 
 

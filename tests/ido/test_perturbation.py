@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial import KDTree
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import RigidTransform, Rotation
 
 from ido import RANGES, Cloud, Perturbation, Scene, TrainingSettings, perturb, perturbation, poses, training
 from ido.perturbation import LARGEST_SEED, OUTLIER_REACH, STRUCTURED_DEVIATION
@@ -227,3 +227,34 @@ def test_the_order_of_the_table_of_ranges_decides_nothing(bunny: Cloud, monkeypa
         monkeypatch.setattr(module, "RANGES", turned)
     for old, new in zip(before, drawn(), strict=True):
         np.testing.assert_array_equal(old, new)
+
+
+# Moved by hand
+
+
+def test_a_moved_scene_keeps_its_points_apart_and_its_true_place(bunny: Cloud):
+    scene = perturb(bunny, Perturbation(seed=6))
+    T = poses.exp(np.array([0.4, -0.2, 0.1, 0.5, -1.0, 2.0]))
+    moved = scene.moved(T)
+    np.testing.assert_allclose(moved.points, RigidTransform.from_matrix(T).apply(scene.points), atol=1e-6)
+    assert moved.points.dtype == np.float32
+    np.testing.assert_array_equal(moved.is_outlier, scene.is_outlier)
+    before, after = (poses.transform(each.T_model_scene, each.points) for each in (scene, moved))
+    np.testing.assert_allclose(after, before, atol=1e-6)
+
+
+def test_a_scene_moved_there_and_back_is_the_same(bunny: Cloud):
+    scene = perturb(bunny, Perturbation())
+    T = poses.exp(np.array([0.3, 0.0, -0.5, 1.0, 1.0, 0.0]))
+    back = scene.moved(T).moved(poses.invert(T))
+    np.testing.assert_allclose(back.points, scene.points, atol=1e-6)
+    np.testing.assert_allclose(back.T_model_scene, scene.T_model_scene, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_start_pose_is_the_inverse_of_the_true_one(bunny: Cloud, seed: int):
+    p = Perturbation(seed=seed, rotation=110, translation=0.6)
+    T = perturbation.start_pose(p)
+    np.testing.assert_allclose(T @ perturb(bunny, p).T_model_scene, np.eye(4), atol=1e-9)
+    assert Rotation.from_matrix(T[:3, :3]).magnitude() == pytest.approx(np.deg2rad(110))
+    assert np.linalg.norm(T[:3, 3]) == pytest.approx(0.6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.linalg import expm
+from scipy.linalg import expm, logm
 
 from ido import kernels, poses
 from ido.types import FloatArray
@@ -87,6 +87,27 @@ def test_batch_axes():
 def test_transform_is_rotation_then_translation():
     T = np.array([[0.0, -1, 0, 10], [1, 0, 0, 20], [0, 0, 1, 30], [0, 0, 0, 1]])
     np.testing.assert_allclose(poses.transform(T, np.array([[1.0, 2, 3]])), [[8, 21, 33]])
+
+
+SHARES = (0.0, 0.2, 0.5, 0.9, 1.0)
+
+
+def test_between_begins_and_ends_exactly():
+    for start, end in zip(poses.exp(samples((0.0, 0.4, 3.0))), poses.exp(samples((2.0, 0.4, 1.0), 1)), strict=True):
+        np.testing.assert_allclose(poses.between(start, end, 0.0), start, atol=1e-12)
+        np.testing.assert_allclose(poses.between(start, end, 1.0), end, atol=1e-12)
+        np.testing.assert_allclose(poses.between(start, start, 0.3), start, atol=1e-12)
+
+
+def test_between_turns_evenly_about_one_axis_and_shifts_along_a_line():
+    """Against the matrix exponential of a share of the turn from one to the other."""
+    for start, end in zip(poses.exp(samples((0.1, 1.0, 2.0))), poses.exp(samples((0.3, 1.5, 0.0), 1)), strict=True):
+        turn = logm(end[:3, :3] @ start[:3, :3].T).real
+        for share in SHARES:
+            T = poses.between(start, end, share)
+            np.testing.assert_allclose(T[:3, :3], expm(share * turn) @ start[:3, :3], atol=1e-9)
+            np.testing.assert_allclose(T[:3, 3], start[:3, 3] + share * (end - start)[:3, 3], atol=1e-12)
+            np.testing.assert_array_equal(T[3], [0, 0, 0, 1])
 
 
 def test_one_pose_moves_many_clouds_and_many_poses_one_cloud():

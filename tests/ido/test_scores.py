@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from ido import Cloud, Perturbation, Scene, perturb, poses, score
+from ido.scores import registered
 
 
 def shifted(T: np.ndarray, by: float) -> np.ndarray:
@@ -57,6 +58,24 @@ def test_errors_against_scipy(bunny: Cloud):
         angle = Rotation.magnitude(estimate.rotation * true.rotation.inv())
         assert scores.rotation == pytest.approx(np.rad2deg(angle))
         assert scores.translation == pytest.approx(np.linalg.norm(estimate.translation - true.translation))
+
+
+def test_the_share_of_registered_points_is_point_acc(bunny: Cloud):
+    scene = perturb(bunny, Perturbation(seed=4))
+    nudges = np.random.default_rng(2).normal(size=(3, 5, 6)) * 0.08
+    T = scene.T_model_scene @ poses.exp(nudges)
+    arrived = registered(scene, T)
+    assert arrived.shape == (3, 5, (~scene.is_outlier).sum())
+    np.testing.assert_array_equal(arrived.mean(axis=-1), score(scene, T).accuracy)
+    assert 0 < arrived.mean() < 1
+
+
+def test_a_point_is_registered_within_a_tenth_of_its_true_place(bunny: Cloud):
+    scene = perturb(bunny, Perturbation())
+    T = scene.T_model_scene @ poses.exp(np.array([0.03, 0, 0, 0, 0, 0.09]))
+    points = scene.points[~scene.is_outlier].astype(float)
+    true, moved = (RigidTransform.from_matrix(each).apply(points) for each in (scene.T_model_scene, T))
+    np.testing.assert_array_equal(registered(scene, T), np.linalg.norm(moved - true, axis=1) < 0.1)
 
 
 def test_outliers_do_not_count(bunny: Cloud):

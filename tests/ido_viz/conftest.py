@@ -16,6 +16,7 @@ from ido_viz.core.state import State
 def computing(monkeypatch: pytest.MonkeyPatch) -> Computing:
     computing = Computing()
     monkeypatch.setattr(session, "Page", PageOfTab)
+    monkeypatch.setattr(session, "FIRST_LOOK", 0.05)
     monkeypatch.setattr(live_run, "make_scene", computing)
     return computing
 

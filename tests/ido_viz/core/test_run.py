@@ -7,13 +7,15 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from ido import Perturbation, perturb, poses, shipped_cloud, shipped_maps
 from ido.bin_order import bin_order
 from ido.methods import BASELINES, LEARNED
+from ido.types import FloatArray
 from ido_viz.core.library import shipped_library
-from ido_viz.core.run import Run, compute, inputs
+from ido_viz.core.run import Run, compute, inputs, start_size
 from ido_viz.core.state import LAST, BinOrder, State, StateError
 
 LIBRARY = shipped_library()
@@ -23,6 +25,7 @@ STATE = State(perturbation=SMALL)
 MATTERS: dict[str, Any] = {
     "shape": "urban",
     "perturbation": replace(SMALL, seed=4),
+    "start": (0.1, 0.0, -0.2, 0.0, 0.5, 0.0),
     "left": "Improved DO",
     "right": "DO",
     "epsilon": 0.02,
@@ -32,10 +35,12 @@ DOES_NOT_MATTER: dict[str, Any] = {
     "iteration": LAST,
     "playing": False,
     "speed": 60,
+    "replay": False,
     "order": "azimuth",
     "difference": True,
     "pinned_map": 15,
     "ghost": False,
+    "handles": False,
     "error_vectors": True,
     "overlay": "another iteration",
     "overlaid_iteration": 3,
@@ -45,6 +50,7 @@ DOES_NOT_MATTER: dict[str, Any] = {
     "question": "up / down",
     "coloring": "ρx",
     "against_reference": True,
+    "camera": (0.0, -1.0, 0.5, 0.1, 0.0, 0.0),
     "dark": True,
     "large_text": True,
     "hidden": ("scores", "scene"),
@@ -201,3 +207,40 @@ def test_model_index_leaves_the_bins_where_they_are():
 def test_an_unknown_order_is_an_error():
     with pytest.raises(KeyError):
         bin_order(shipped_maps("bunny", "front-back").histogram, "random")
+
+
+# A scene moved by hand
+
+BY_HAND = replace(STATE, start=(0.2, -0.1, 0.3, 0.5, -1.2, 0.7))
+
+
+def test_a_scene_moved_by_hand_is_moved_after_it_was_drawn():
+    drawn = perturb(shipped_cloud("bunny"), SMALL)
+    moved = compute(BY_HAND, LIBRARY).scene
+    T = expm(twist(np.array(BY_HAND.start)))
+    np.testing.assert_allclose(moved.points, drawn.points @ T[:3, :3].T + T[:3, 3], atol=1e-6)
+    np.testing.assert_array_equal(moved.is_outlier, drawn.is_outlier)
+
+
+def test_a_registration_of_it_starts_where_it_was_put(run: Run):
+    by_hand = compute(BY_HAND, LIBRARY)
+    for side, other in zip(by_hand.sides, run.sides, strict=True):
+        np.testing.assert_array_equal(side.T_model_scene[0], np.eye(4))
+        assert side.scores.rmse[0] != pytest.approx(other.scores.rmse[0])
+
+
+@pytest.mark.parametrize("start", [(), BY_HAND.start, (0.0, 0.0, 0.0, 0.0, 0.0, 3.0)])
+def test_the_size_of_a_start_is_its_distance_from_the_true_place(start: tuple[float, ...]):
+    state = replace(STATE, start=start)
+    away = np.linalg.inv(compute(state, LIBRARY).scene.T_model_scene)
+    degrees, distance = start_size(state)
+    assert degrees == pytest.approx(np.rad2deg(Rotation.from_matrix(away[:3, :3]).magnitude()))
+    assert distance == pytest.approx(np.linalg.norm(away[:3, 3]))
+
+
+def twist(x: FloatArray) -> FloatArray:
+    """ξ^ of x = [ρ, φ], shape (4, 4)."""
+    (a, b, c), matrix = x[3:], np.zeros((4, 4))
+    matrix[:3, :3] = [[0, -c, b], [c, 0, -a], [-b, a, 0]]
+    matrix[:3, 3] = x[:3]
+    return matrix

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from ido import RANGES, Perturbation
 from ido.perturbation import OutlierKind
 from ido_viz.core.library import shipped_library
-from ido_viz.core.state import LAST, LONGEST_RUN, BinOrder, State, StateError, decode, encode
+from ido_viz.core.state import FARTHEST, LAST, LONGEST_RUN, BinOrder, State, StateError, decode, encode
 
 LIBRARY = shipped_library()
 TYPICAL = State(
@@ -52,6 +52,10 @@ def perturbations(draw: st.DrawFn) -> Perturbation:
     )
 
 
+moderate = st.floats(-FARTHEST, FARTHEST) | st.integers(-20, 20)
+six_numbers = st.just(()) | st.tuples(*[moderate] * 6)
+
+
 @st.composite
 def states(draw: st.DrawFn) -> State:
     shape = draw(st.sampled_from(list(LIBRARY.subjects)))
@@ -70,6 +74,10 @@ def states(draw: st.DrawFn) -> State:
         difference=draw(st.booleans()),
         pinned_map=draw(st.integers(0, 30)),
         ghost=draw(st.booleans()),
+        start=draw(six_numbers),
+        camera=draw(six_numbers),
+        replay=draw(st.booleans()),
+        handles=draw(st.booleans()),
         dark=draw(st.booleans()),
     )
 
@@ -103,6 +111,8 @@ def test_codes_are_short():
     everyday = State(perturbation=Perturbation(noise=0.02, outliers=450, rotation=95.0, seed=31_337), playing=False)
     assert len(encode(everyday)) < 200
     assert len(encode(TYPICAL)) < 400  # nearly everything changed
+    by_hand = State(start=(0.1234, -0.5678, 0.9012, 1.2345, -2.0123, 0.4567), camera=(0.1, -0.9, 0.4, 0.0, 0.1, -0.2))
+    assert len(encode(by_hand)) < 200
 
 
 def test_different_states_have_different_codes():
@@ -198,6 +208,27 @@ def test_a_code_with_a_wrong_character_is_refused_or_means_the_same(state: State
         {"left": 3},
         {"right": []},
         {"colour": "red"},
+        *[
+            {name: numbers}
+            for name in ("start", "camera")
+            for numbers in (
+                [0.0] * 5,
+                [0.0] * 7,
+                [0.0] * 5 + [float("nan")],
+                [0.0] * 5 + [float("inf")],
+                [0.0] * 5 + [20.1],
+                [0.0] * 5 + [-1000],
+                [0.0] * 5 + [10**400],
+                [0.0] * 5 + ["0.0"],
+                [0.0] * 5 + [True],
+                [0.0] * 5 + [None],
+                [0.0] * 5 + [[0.0]],
+                "abcdef",
+                7,
+                None,
+                {"x": 1, "y": 2},
+            )
+        ],
         {"perturbation": []},
         {"perturbation": {"noise": -0.1}},
         {"perturbation": {"noise": float("nan")}},
@@ -256,6 +287,8 @@ def test_any_values_make_a_usable_state_or_are_refused(values: dict[str, Any], p
         assert isinstance(getattr(state, name), bool), name
     for name in ("shape", "left", "right"):
         assert isinstance(getattr(state, name), str), name
+    for name in ("start", "camera"):
+        assert len(getattr(state, name)) in (0, 6), name
     assert decode(encode(state)) == state
 
 
@@ -271,6 +304,12 @@ def test_any_values_make_a_usable_state_or_are_refused(values: dict[str, Any], p
         {"speed": 0},
         {"speed": 61},
         {"pinned_map": -1},
+        {"start": (0.0,) * 5},
+        {"start": (0.0, 0.0, 0.0, 0.0, 0.0, float("nan"))},
+        {"start": [0.0] * 6},
+        {"start": ("0",) * 6},
+        {"camera": (0.0, -21.0, 0.0, 0.0, 0.0, 0.0)},
+        {"camera": (1.0,)},
     ],
     ids=str,
 )

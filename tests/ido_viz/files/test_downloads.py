@@ -29,9 +29,10 @@ from scipy.spatial.transform import Rotation
 
 from ido import Perturbation, poses
 from ido.methods import BASELINES
-from ido.recording import chosen_iterations, load_run
+from ido.recording import load_run
 from ido_viz.core.frame import Frame, frame_of
 from ido_viz.core.library import shipped_library
+from ido_viz.core.pacing import Pacing
 from ido_viz.core.run import Run, compute, make_scene, register_side, waiting_side
 from ido_viz.core.state import State, decode
 from ido_viz.files import animation_html as animation
@@ -165,21 +166,43 @@ def page(run: Run, state: State) -> str:
 
 def test_the_animation_shows_every_iteration_with_its_pose_and_its_scores(run: Run, state: State, page: str):
     recording = Recording.of(page)
-    assert recording.seconds == pytest.approx(3 + run.iterations / state.speed)
+    times = Pacing(run).times * 15 / state.speed
+    assert recording.seconds == pytest.approx(3 + times[-1])
+    apart = times[-1] / round(times[-1] / 0.05)
     for pane, side in zip(("left", "right"), run.sides, strict=True):
         titles = recording.titles(pane)
         n = side.trajectory.iterations
-        assert [title[1] for _, title in titles] == [f"iteration {k} of {n}" for k in range(n + 1)]
-        for k, (seconds, title) in enumerate(titles):
-            assert seconds == pytest.approx(0 if k == 0 else 1 + (k - 1) / state.speed)
+        assert list(dict.fromkeys(title[1] for _, title in titles)) == [f"iteration {k} of {n}" for k in range(n + 1)]
+        for seconds, title in titles:
+            k = int(title[1].split()[1])
             assert title[0] == side.method
             assert title[2] == f"PointRMSE {side.scores.rmse[k]:.3f}"
             assert title[3] == f"PointAcc {side.scores.accuracy[k]:.2f}"
-            T = poses.exp(side.trajectory.x[k])
+            reached = 0.0 if seconds == 0 else np.interp(seconds - 1 + apart, times, np.arange(run.iterations + 1))
+            assert k == min(int(reached + 1e-6), n)
+            share = reached - k if k < n else 0.0
+            start, end = (poses.exp(side.trajectory.x[each]) for each in (k, min(k + 1, n)))
+            turn = Rotation.from_matrix(end[:3, :3] @ start[:3, :3].T).as_rotvec() * share
             wxyz = recording.last(f"/{pane}/scene", "wxyz", seconds)
-            np.testing.assert_allclose(Rotation.from_quat(wxyz, scalar_first=True).as_matrix(), T[:3, :3], atol=1e-6)
-            np.testing.assert_allclose(recording.last(f"/{pane}/scene", "position", seconds), T[:3, 3], atol=1e-6)
+            R = Rotation.from_rotvec(turn).as_matrix() @ start[:3, :3]
+            np.testing.assert_allclose(Rotation.from_quat(wxyz, scalar_first=True).as_matrix(), R, atol=1e-6)
+            t = start[:3, 3] + share * (end[:3, 3] - start[:3, 3])
+            np.testing.assert_allclose(recording.last(f"/{pane}/scene", "position", seconds), t, atol=1e-6)
         assert recording.last(f"/{pane}/ghost", "visible", recording.seconds) == state.ghost
+
+
+def test_the_animation_moves_smoothly_from_iteration_to_iteration(run: Run, page: str):
+    """In no step farther than in the largest update, and in many more steps than there are updates."""
+    for pane, side in zip(("left", "right"), run.sides, strict=True):
+        places = [
+            m["position"]
+            for _, m in Recording.of(page).messages
+            if m.get("name") == f"/{pane}/scene" and "position" in m
+        ]
+        steps = np.linalg.norm(np.diff(np.array(places), axis=0), axis=1)
+        updates = np.linalg.norm(np.diff(side.T_model_scene[:, :3, 3], axis=0), axis=1)
+        assert len(steps) > 1.5 * run.iterations
+        assert steps.max() < updates.max()
 
 
 def test_the_camera_is_recorded(page: str):
@@ -227,8 +250,9 @@ def test_a_long_run_is_shown_in_few_frames(run: Run, state: State, monkeypatch: 
     monkeypatch.setattr(animation, "MOST_FRAMES", 6)
     titles = Recording.of(animation_html(frame_of(run, state)).decode()).titles("left")
     n = run.sides[0].trajectory.iterations
-    shown = sorted({min(k, n) for k in chosen_iterations(run.iterations, 6)})
-    assert [title[1] for _, title in titles] == [f"iteration {k} of {n}" for k in shown]
+    assert 2 <= len({seconds for seconds, _ in titles}) <= 6
+    assert titles[0][1][1] == f"iteration 0 of {n}"
+    assert titles[-1][1][1] == f"iteration {n} of {n}"
     assert MOST_FRAMES >= 100
 
 
@@ -283,7 +307,7 @@ class Page:
         self.gui = SimpleNamespace(
             add_folder=lambda *_, **__: contextlib.nullcontext(), add_button=lambda label, **_: self._add(label)
         )
-        DownloadFolder(cast(viser.ClientHandle, self), lambda: self.shown(), 0)
+        DownloadFolder(cast(viser.ClientHandle, self), lambda: self.shown())
 
     def _add(self, label: str) -> Button:
         self.buttons.append(Button(label))
@@ -308,7 +332,7 @@ def test_each_button_sends_its_file(run: Run, state: State):
     assert json.loads(str(np.load(io.BytesIO(npz))["header"]))["format"] == "ido-run-1"
     assert curves.decode() == curves_csv(run)
     assert Recording.of(html.decode()).seconds > 3
-    assert getattr(Image.open(io.BytesIO(gif)), "n_frames", 1) == run.iterations + 1
+    assert getattr(Image.open(io.BytesIO(gif)), "n_frames", 1) > run.iterations
     assert {"curves.svg", "README.txt"} <= set(zipfile.ZipFile(io.BytesIO(charts)).namelist())
     assert page.notes == []
     assert not any(button.disabled for button in page.buttons)

@@ -20,7 +20,7 @@ from ido_viz.core.actions import Actions
 from ido_viz.core.frame import frame_of
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute
-from ido_viz.core.state import LAST, LONGEST_RUN, MOST_MAPS, State
+from ido_viz.core.state import LAST, LONGEST_RUN, MOST_MAPS, NO_START, State
 from ido_viz.panels.controls import Controls
 
 LIBRARY = shipped_library()
@@ -46,7 +46,9 @@ STATES = [
     State(overlay="other method", hidden=("scores", "methods", "lower charts")),
     State(pinned_map=40),  # more than the shipped methods have: another's code
     State(pinned_map=MOST_MAPS),
+    State(replay=False, handles=False),
 ]
+CARRIED = State(start=(0.1, 0.2, -0.3, 0.4, 0.5, -0.6), camera=(0.1, -0.9, 0.4, 0.0, 0.0, 0.2), playing=False)
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +96,43 @@ def test_reading_keeps_what_no_widget_shows(controls: Controls):
     controls.show(State())
     for state in (State(iteration=5), State(iteration=LAST, playing=False)):
         assert controls.read(state)[0] == state
+
+
+def test_the_sliders_show_how_far_a_carried_scene_is_from_its_place(controls: Controls):
+    controls.show(CARRIED)
+    away = np.linalg.inv(compute(CARRIED, LIBRARY).scene.T_model_scene)
+    turned = np.rad2deg(np.arccos((np.trace(away[:3, :3]) - 1) / 2))
+    assert controls._inputs["rotation"].value == pytest.approx(turned, abs=0.5)
+    assert controls._inputs["translation"].value == pytest.approx(np.linalg.norm(away[:3, 3]), abs=0.005)
+    assert controls.read(CARRIED) == (CARRIED, True)
+
+
+def test_whatever_else_is_changed_a_carried_scene_stays_so(controls: Controls):
+    controls.show(CARRIED)
+    controls._inputs["noise"].value, controls._inputs["dark"].value = 0.01, True
+    expected = replace(CARRIED, dark=True, perturbation=replace(CARRIED.perturbation, noise=0.01))
+    assert controls.read(CARRIED) == (expected, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "other"), [("rotation", 12.0, "translation"), ("translation", 0.9, "rotation")]
+)
+def test_moving_one_of_its_sliders_lets_go_of_it(controls: Controls, name: str, value: float, other: str):
+    controls.show(CARRIED)
+    left = controls._inputs[other].value
+    controls._inputs[name].value = value
+    state, usable = controls.read(CARRIED)
+    assert usable
+    assert state == replace(
+        CARRIED, start=NO_START, perturbation=replace(CARRIED.perturbation, **{name: value, other: left})
+    )
+
+
+def test_a_scene_carried_far_away_leaves_the_sliders_at_their_ends(controls: Controls):
+    far = replace(CARRIED, start=(15.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    controls.show(far)
+    assert controls._inputs["translation"].value == RANGES["translation"].high
+    assert controls.read(far) == (far, True)
 
 
 def test_values_beyond_the_widgets_are_brought_into_their_range(controls: Controls):

@@ -90,15 +90,15 @@ def test_the_readout_shows_a_name_as_it_is(run: Run, name: str):
 
 @pytest.mark.parametrize("name", EVIL)
 def test_captions_show_a_name_as_it_is(run: Run, name: str):
-    assert_only_text(method_span(name, 0), name)
-    assert_only_text(caption(both_methods(named(run, "DO", name))), name)
+    assert_only_text(method_span(name, False), name)
+    assert_only_text(caption(both_methods(named(run, "DO", name), False)), name)
 
 
 @pytest.mark.parametrize("name", EVIL)
 def test_a_heatmap_shows_its_method_and_blocks_as_they_are(monkeypatch: pytest.MonkeyPatch, name: str):
     maps = shipped_maps("bunny", "front-back")
     monkeypatch.setattr(type(maps.histogram), "blocks", (Block(name, "back"),))
-    page = Page(heatmap_html(maps, 1, bin_order(maps.histogram, "model index"), method_span(name, 1)))
+    page = Page(heatmap_html(maps, 1, bin_order(maps.histogram, "model index"), method_span(name, True)))
     assert set(page.tags) <= HARMLESS | {"img"}
     assert len(page.images) == 1
     assert set(page.attributes) <= {"style", "alt", "src"}
@@ -120,14 +120,10 @@ def test_the_readout_holds_the_numbers_of_each_side(run: Run):
     assert rows["Stops"] == ["moving", "moving"]
 
 
-def test_at_the_iteration_limit_there_is_no_next_update_and_the_place_is_told(run: Run):
+def test_at_the_iteration_limit_there_is_no_next_update(run: Run):
     text = Page(readout_of(run, 12)).text
     assert text.count("–") == 2
-    assert text.count("iteration limit, ") == 2
-    for side in run.sides:
-        accuracy = side.scores.accuracy[-1]
-        place = "in place" if accuracy >= 0.95 else "nearly in place" if accuracy >= 0.5 else "wrong pose"
-        assert f"iteration limit, {place}" in text
+    assert text.count("iteration limit") == 2
 
 
 def picture(source: str) -> np.ndarray:

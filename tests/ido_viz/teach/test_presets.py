@@ -71,7 +71,7 @@ def server() -> Iterator[viser.ViserServer]:
 
 def test_each_button_opens_its_page(server: viser.ViserServer) -> None:
     opened: list[State] = []
-    buttons: dict[str, Any] = dict(PresetFolder(server.gui, opened.append, 0).buttons)
+    buttons: dict[str, Any] = dict(PresetFolder(server.gui, opened.append).buttons)
     for preset in PRESETS:
         for callback in buttons[preset.label]._impl.update_cb:
             callback(None)
@@ -79,7 +79,7 @@ def test_each_button_opens_its_page(server: viser.ViserServer) -> None:
 
 
 def test_good_and_bad_differ_by_more_than_colour(server: viser.ViserServer) -> None:
-    buttons: dict[str, Any] = dict(PresetFolder(server.gui, lambda _: None, 0).buttons)
+    buttons: dict[str, Any] = dict(PresetFolder(server.gui, lambda _: None).buttons)
     icons = {good: {buttons[p.label].icon for p in PRESETS if p.good is good} for good in (True, False)}
     assert len(icons[True]) == len(icons[False]) == 1
     assert icons[True] != icons[False]

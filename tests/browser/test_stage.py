@@ -1,0 +1,134 @@
+"""The stage: handles, the camera, undo, and that nothing on it moves by itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, independent_run
+from scipy.spatial.transform import Rotation
+
+from ido.types import FloatArray
+from ido_viz.canvas.pane import PANE_OFFSETS
+from ido_viz.core.geometry import upright
+from ido_viz.core.state import NO_CAMERA, NO_START
+
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+
+PLACES = """() => {
+    const edge = document.querySelector("canvas[data-engine]").getBoundingClientRect().left + 2;
+    const kinds = "label, button, table, tr, input, [role=tab], .mantine-Slider-track, .verdict";
+    return [...document.querySelectorAll(kinds)]
+        .map(element => [element, element.getBoundingClientRect()])
+        .filter(([element, box]) => box.width && (box.right <= edge || element.matches(".verdict")))
+        .map(([element, box]) => [element.tagName, box.x, box.y, box.width, box.height].join(" "));
+}"""
+"""Where everything in the control panel is, and the verdicts over the canvas."""
+
+
+ARROW = np.array([0.5, 0.0, 0.0])  # beyond the rings
+
+
+def camera_of(explorer: Explorer) -> FloatArray:
+    """Where the page is seen from and what it looks at, shape (2, 3)."""
+    (client,) = explorer.app.server.get_clients().values()
+    return np.array([client.camera.position, client.camera.look_at])
+
+
+def on_screen(explorer: Explorer, point: FloatArray) -> tuple[float, float]:
+    """Where a point of the 3D view is in the window, pixels."""
+    (client,) = explorer.app.server.get_clients().values()
+    camera, canvas = client.camera, box_of(explorer.canvas())
+    x, y, depth = Rotation.from_quat(camera.wxyz, scalar_first=True).inv().apply(point - np.asarray(camera.position))
+    scale = canvas["height"] / 2 / np.tan(camera.fov / 2) / depth
+    return canvas["x"] + canvas["width"] / 2 + scale * x, canvas["y"] + canvas["height"] / 2 + scale * y
+
+
+def handle(explorer: Explorer, pane: int, along: FloatArray) -> tuple[float, float]:
+    """Where a handle of a pane is in the window: so far from the middle of the scene before its first iteration."""
+    run = independent_run(replace(explorer.state(), iteration=0, playing=False))
+    middle = run.scene.points[~run.scene.is_outlier].mean(axis=0)
+    return on_screen(explorer, upright(run.subject.up).apply(middle + along) + np.array([PANE_OFFSETS[pane], 0, 0]))
+
+
+def drag(explorer: Explorer, start: tuple[float, float], by: tuple[float, float]) -> None:
+    mouse = explorer.page.mouse
+    mouse.move(*start)
+    explorer.pause(100)
+    mouse.down()
+    mouse.move(start[0] + by[0], start[1] + by[1], steps=6)
+    explorer.pause(100)
+    mouse.up()
+
+
+def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenExplorer):
+    explorer = open_explorer(AT_THE_START)
+    before = explorer.state()
+    at = handle(explorer, 0, ARROW)
+    drag(explorer, at, (60.0, 0.0))
+    explorer.wait_until("the dragged scene", lambda: explorer.state().start != NO_START)
+    state = explorer.expect_to_agree()
+    ρ, φ = np.split(np.array(state.start), 2)
+    assert ρ[0] > 0.1
+    np.testing.assert_allclose([*ρ[1:], *φ], 0, atol=1e-3)
+    moved = handle(explorer, 0, ARROW)
+    assert moved[0] - at[0] == pytest.approx(60, abs=6)
+    assert replace(state, start=NO_START) == before
+    explorer.type_key("Control+z")
+    explorer.wait_until("the scene before", lambda: explorer.state() == before)
+    explorer.expect_to_agree()
+    explorer.type_key("Control+Shift+Z")
+    explorer.wait_until("the dragged scene again", lambda: explorer.state() == state)
+    explorer.expect_to_agree()
+
+
+@pytest.mark.parametrize("how", ["by the button", "by the key V"])
+def test_a_view_turned_by_the_mouse_is_kept_and_reset(explorer: Explorer, how: str):
+    explorer.pause(SETTLING)  # the panels find their places
+    before, canvas = camera_of(explorer), box_of(explorer.canvas())
+    drag(explorer, (canvas["x"] + 20, canvas["y"] + canvas["height"] / 2), (120.0, 30.0))
+    explorer.wait_until("another view", lambda: explorer.state().camera != NO_CAMERA)
+    explorer.pause(SETTLING)
+    assert np.abs(camera_of(explorer) - before).max() > 0.2
+    if how == "by the key V":
+        explorer.type_key("v")
+    else:
+        explorer.press("Reset view (V)")
+    explorer.wait_until("the view before", lambda: np.allclose(camera_of(explorer), before, atol=0.02))
+    assert explorer.expect_to_agree().camera == NO_CAMERA
+
+
+def test_undo_and_redo_by_their_buttons(explorer: Explorer):
+    before = explorer.state()
+    value = explorer.drag("Rotation", 0.8)
+    explorer.wait_until("the rotation", lambda: explorer.state().perturbation.rotation == value)
+    changed = explorer.expect_to_agree()
+    explorer.press("Undo")
+    explorer.wait_until("the rotation before", lambda: explorer.state() == before)
+    assert explorer.slider_value("Rotation") == before.perturbation.rotation
+    explorer.press("Redo")
+    explorer.wait_until("the rotation again", lambda: explorer.state() == changed)
+    assert explorer.slider_value("Rotation") == value
+
+
+def test_another_scene_is_played_from_its_start(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_END, replay=True, speed=60))
+    explorer.drag("Rotation", 0.2)
+    explorer.wait_until("how it will end", lambda: all("will end" in text for text in explorer.verdicts()))
+    assert explorer.iteration() == 0
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+    explorer.expect_to_agree()
+    assert not any("will end" in text for text in explorer.verdicts())
+
+
+def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_START, speed=30))
+    explorer.press("Play (P)")
+    explorer.wait_until("some iterations", lambda: explorer.iteration() > 2)
+    playing, places = explorer.is_playing(), explorer.page.evaluate(PLACES)
+    assert playing and len(places) > 40
+    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+    explorer.wait_until("the end of playing", lambda: not explorer.is_playing())
+    assert explorer.page.evaluate(PLACES) == places
+    assert len(explorer.verdicts()) == 2

@@ -1,0 +1,140 @@
+"""The camera of a page without a browser: where it looks from, and what it tells of a person who moves it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+from typing import Any, cast
+
+import numpy as np
+import pytest
+import viser
+
+from ido_viz.canvas.camera import Camera
+from ido_viz.canvas.pane import PANE_OFFSETS
+from ido_viz.core.state import NO_CAMERA, State
+
+ELSEWHERE = (0.3, -0.7, 0.5, 0.1, -0.2, 0.3)
+WINDOWS = (0.46, 0.8, 1.0, 1.6, 2.4)
+"""Width of a canvas by its height."""
+
+
+class Window:
+    """Stands for a page's camera, and for a person who moves it; `moved` and `arrived` are noted."""
+
+    def __init__(self, aspect: float) -> None:
+        self.aspect, self.fov = aspect, 0.87
+        self.position, self.look_at = np.array([3.0, 3.0, 3.0]), np.zeros(3)
+        self.told: list[tuple[float, ...]] = []
+        self.arrivals = 0
+        self._update: Callable[[Any], None] = print
+        self.camera = Camera(cast(viser.CameraHandle, self), self.told.append, self._arrive)
+
+    def on_update(self, update: Callable[[Any], None]) -> None:
+        self._update = update
+
+    def _arrive(self) -> None:
+        self.arrivals += 1
+
+    def tell(self) -> None:
+        """The page tells where its camera is."""
+        self._update(None)
+
+    def orbit(self, x: float, y: float, z: float) -> None:
+        """A person moves the camera, and the page tells of it."""
+        self.position = np.array([x, y, z])
+        self.tell()
+
+
+def opened(aspect: float, place: tuple[float, ...] = NO_CAMERA) -> Window:
+    """A window that shows what it was sent."""
+    window = Window(aspect)
+    window.camera.begin(place)
+    window.tell()
+    return window
+
+
+@pytest.mark.parametrize("aspect", WINDOWS)
+def test_both_panes_are_seen_whole_in_any_window(aspect: float):
+    window = opened(aspect)
+    forward = window.look_at - window.position
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    for offset, x, z in product(PANE_OFFSETS, (-1, 1), (-1, 1)):
+        ray = np.array([offset + x, 0.0, z]) - window.position
+        high = ray @ up / (ray @ forward) / np.tan(window.fov / 2)
+        assert abs(high) < 1
+        assert abs(ray @ right / (ray @ forward) / np.tan(window.fov / 2) / aspect) < 1
+
+
+@pytest.mark.parametrize("place", [NO_CAMERA, ELSEWHERE])
+def test_a_page_arrives_once_and_that_is_no_move(place: tuple[float, ...]):
+    window = opened(1.5, place)
+    window.tell()
+    assert window.arrivals == 1
+    assert window.told == []
+
+
+def test_what_a_page_tells_on_its_way_is_no_move():
+    window = Window(1.5)
+    window.tell()
+    window.camera.begin(ELSEWHERE)
+    there, window.position = window.position, np.array([3.0, 3.0, 3.0])
+    window.tell()
+    assert (window.arrivals, window.told) == (0, [])
+    window.position = there
+    window.tell()
+    assert (window.arrivals, window.told) == (1, [])
+
+
+@pytest.mark.parametrize("one", WINDOWS)
+@pytest.mark.parametrize("other", WINDOWS)
+def test_what_is_told_gives_the_same_view_in_a_window_of_another_shape(one: float, other: float):
+    window = opened(one)
+    window.orbit(2.0, -3.0, 1.0)
+    (place,) = window.told
+    assert State(camera=place).camera == place
+    shown = opened(other, place)
+    assert shown.arrivals == 1
+    way, shown_way = (
+        (each.position - each.look_at) / np.linalg.norm(each.position - each.look_at) for each in (window, shown)
+    )
+    np.testing.assert_allclose(shown_way, way, atol=2e-3)
+    if one == other:
+        np.testing.assert_allclose(shown.position, window.position, atol=0.02)
+
+
+def test_frames_that_a_person_has_overtaken_do_not_turn_the_view_back():
+    window = opened(1.5)
+    for step in range(4):
+        window.orbit(1.0 + 0.3 * step, -4.0, 1.0)
+        window.camera.begin(NO_CAMERA)
+    np.testing.assert_array_equal(window.position, [1.9, -4.0, 1.0])
+    assert len(window.told) == 4
+
+
+def test_a_shown_place_is_looked_from_and_the_view_goes_back():
+    window = opened(1.5)
+    fitted = window.position
+    window.orbit(1.0, -4.0, 1.0)
+    window.camera.show(NO_CAMERA)
+    np.testing.assert_array_equal(window.position, fitted)
+    window.tell()
+    assert len(window.told) == 1
+
+
+def test_a_window_of_another_shape_keeps_the_view():
+    window = opened(1.6, ELSEWHERE)
+    window.aspect = 0.9
+    window.tell()
+    np.testing.assert_allclose(window.position, opened(0.9, ELSEWHERE).position)
+    assert window.told == []
+
+
+def test_a_view_from_very_far_is_told_within_what_a_state_can_hold():
+    window = opened(1.5)
+    window.orbit(1e6, -1e6, 0.0)
+    (place,) = window.told
+    assert State(camera=place).camera == place
