@@ -20,7 +20,7 @@ pytestmark = [
 COLORS = [palette.method_color(name) for name in (AT_THE_START.left, AT_THE_START.right)]
 DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
-VISIBLE = 150  # pixels
+VISIBLE = 60  # pixels of a pure colour; most are blended, the more the coarser a slow page draws
 SLIP = 2.0  # pixels
 SHORTEST_TRACK = 120  # of a slider, pixels: what one can aim with
 
@@ -48,7 +48,7 @@ def test_each_pane_shows_its_method_s_cloud_and_what_both_share(at_the_start: Ex
     assert like(right, COLORS[0]).sum() == 0
     for half in (left, right):
         assert like(half, palette.OUTLIER).sum() > VISIBLE
-        assert hollow_places(half).sum() > VISIBLE / 3
+        assert hollow_places(half).sum() > VISIBLE
         surface = (np.ptp(half, axis=2) < 8) & (half.max(axis=2) < 240)
         assert surface.sum() > 20 * VISIBLE
     arrived = [like(half, palette.ARRIVED).sum() for half in (left, right)]
