@@ -42,7 +42,7 @@ class Picking:
 
     def __init__(self, gui: viser.GuiApi, picked: Callable[[Click], None]) -> None:
         gui.add_html(_STYLE)
-        self._field = gui.add_text(FIELD, "")
+        self._field = gui.add_text(FIELD, "", hint="The script of the page writes here what was clicked.")
         self._field.on_update(lambda event: self._tell(event.target.value, picked) if event.client else None)
 
     def _tell(self, text: str, picked: Callable[[Click], None]) -> None:

@@ -67,6 +67,8 @@ class Tab:
         self.client_id = id(self)
         self.frames: list[Drawn] = []
         self.moves: list[Frame] = []
+        self.beats: list[Frame] = []  # of the slow motion of an iteration
+        self.opened: list[str] = []  # tabs
         self.notes: list[str] = []
         self.gui = Widgets()
         self.widgets = state
@@ -151,6 +153,16 @@ class PageOfTab:
         self.tab.last_sign_of_life = time.perf_counter()
         if len(self.tab.frames) == 1:
             self.tab.actions.seen()
+
+    def renew_charts(self) -> None:
+        pass
+
+    def open_tab(self, name: str) -> None:
+        self.tab.opened.append(name)
+
+    def draw_inside(self, frame: Frame) -> None:
+        self.tab.beats.append(frame)
+        self.tab.last_sign_of_life = time.perf_counter()
 
     def move(self, frame: Frame) -> None:
         self.tab.moves.append(frame)

@@ -93,7 +93,7 @@ def test_scenes_move_between_the_iterations_while_it_plays(open_tab: OpenTab):
         lambda tab: tab.set(seed=77),
         lambda tab: tab.set(shape="urban"),
         lambda tab: tab.actions.new_seed(),
-        lambda tab: tab.actions.grab(0, "start", handles(0.3)),
+        lambda tab: [tab.actions.grab(0, phase, handles(x)) for phase, x in (("start", 0.0), ("end", 0.3))],
     ],
     ids=["slider", "typed seed", "shape", "new seed", "handles"],
 )
@@ -107,7 +107,8 @@ def test_another_scene_is_held_and_then_played_from_its_start(open_tab: OpenTab,
     held = [frame for frame in shown if frame.held]
     assert {frame.iteration for frame in held} == {0}
     moved = next(frame for frame in shown if frame.iteration > 0)
-    assert moved.at - held[0].at > 0.9 * session_module.AFTER_A_CHANGE
+    shortest = min(session_module.AFTER_A_CHANGE, session_module.AFTER_LETTING_GO)
+    assert moved.at - held[0].at > 0.9 * shortest
     iterations = [frame.iteration for frame in shown]
     assert iterations == sorted(iterations)
     assert not any(frame.held for frame in shown[shown.index(moved) :])

@@ -32,6 +32,7 @@ MATTERS: dict[str, Any] = {
     "max_iterations": 7,
 }
 DOES_NOT_MATTER: dict[str, Any] = {
+    "inside": 1.5,
     "iteration": LAST,
     "playing": False,
     "speed": 60,

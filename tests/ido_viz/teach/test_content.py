@@ -6,6 +6,7 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ido_viz import app, command
@@ -97,20 +98,22 @@ def test_a_lesson_is_what_its_file_says(tmp_path: Path):
     saved(LESSON.replace("Seen", "Before"), tmp_path / "9-seen-before.toml")
     saved("what a lecturer reads", tmp_path / "README.md")
     before, seen = load_lessons(tmp_path)
-    page = with_values(State(), {"rotation": 20, "hidden": ("view",)})
+    away = 1.25 / np.linalg.norm([1.0, -1.0, 0.5])
+    plain = with_values(State(), {"handles": False})
+    page = with_values(plain, {"rotation": 20, "hidden": ("view",)})
+    camera = (*np.round(np.array([1.0, -1.0, 0.5]) * away, 3).tolist(), 0.0, 0.0, 0.0)
     claim = Claim("both-in-place", "Both end *in place*.")
     second = with_values(page, {"seed": 9, "playing": False})
     steps = (
         Step(
             "Look. Both end *in place*. Press **P**.",
             (claim,),
-            page,
+            with_values(page, {"camera": camera}),
             control=StepControl("seed", (1, 2)),
             tab="Maps",
             end=True,
             sweep="noise",
             marks=("scene",),
-            camera=(1.0, -1.0, 0.5),
         ),
         Step(
             "Nothing.",
@@ -119,7 +122,7 @@ def test_a_lesson_is_what_its_file_says(tmp_path: Path):
             guess=Guess(("DO", "Both"), "Both", "So it is.", second),
         ),
         Step("Still there.", (), second),
-        Step("Else.", (), with_values(State(), {"iteration": 3}), control=StepControl("noise")),
+        Step("Else.", (), with_values(plain, {"iteration": 3}), control=StepControl("noise")),
     )
     assert seen == Lesson("seen", "Seen", steps, preset="turned")
     assert before == Lesson("seen-before", "Before", steps, preset="turned")
