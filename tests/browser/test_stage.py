@@ -138,3 +138,31 @@ def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExpl
     explorer.wait_until("the end of playing", lambda: not explorer.is_playing())
     assert explorer.page.evaluate(PLACES) == places
     assert len(explorer.verdicts()) == 2
+
+
+def test_an_iteration_is_looked_into_beat_by_beat(explorer: Explorer):
+    explorer.press("First (R)")
+    explorer.wait_until("the start", lambda: explorer.iteration() == 0)
+    explorer.press("Look inside (I)")
+    explorer.page.get_by_label("beat 1 of 5").wait_for()
+    for beat, share in ((2, 0.3), (3, 0.5), (4, 0.7), (5, 0.95)):
+        explorer.drag("Beat", share, steps=2)
+        explorer.page.get_by_label(f"beat {beat} of 5").wait_for()
+    explorer.press("Leave the slow motion (I)")
+    explorer.page.get_by_label("beat 5 of 5").wait_for(state="hidden")
+    explorer.expect_alive()
+
+
+def test_a_click_into_a_heatmap_or_the_list_picks_its_bin_and_escape_lets_go(explorer: Explorer):
+    heatmap = explorer.page.locator("[data-heatmap=shown]").nth(1)
+    box = box_of(heatmap)
+    explorer.page.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 20)
+    explorer.wait_until("a picked point", lambda: explorer.state().inspected >= 0)
+    assert explorer.state().inspected_pane == "right"
+    row = explorer.page.locator("tr[data-bin]").nth(3)
+    row.wait_for()  # the tab Inspect came up by itself
+    number = int(row.get_attribute("data-bin") or -1)
+    row.click()
+    explorer.wait_until("the row's point", lambda: explorer.state().inspected == number % 514)
+    explorer.page.keyboard.press("Escape")
+    explorer.wait_until("no point", lambda: explorer.state().inspected == -1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -75,7 +76,7 @@ def test_points_are_asked_one_after_another_the_nearest_first(run: Run):
             assert everybody is not None
             would_count = everybody.asked[1] > 0
             assert away[counted].max() <= away[would_count & ~counted].min(initial=np.inf)
-    for earlier, later in zip(asked, asked[1:], strict=False):
+    for earlier, later in pairwise(asked):
         assert (earlier <= later).all()
 
 

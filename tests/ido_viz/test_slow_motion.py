@@ -1,0 +1,83 @@
+"""The slow motion of an iteration on a page: it plays, is held, dragged, left, and goes on with the next iteration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from tab import PAUSED, Tab
+
+from ido_viz import session
+from ido_viz.core.state import BEATS, NO_POINT
+
+OpenTab = Callable[..., Tab]
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "BEAT_SECONDS", 0.05)
+
+
+def at_its_end(tab: Tab) -> None:
+    tab.wait("the end of the last beat", lambda: bool(tab.beats) and tab.beats[-1].state.inside == BEATS)
+
+
+def test_it_plays_its_beats_and_stays_at_the_end(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=2))
+    tab.actions.look_inside()
+    at_its_end(tab)
+    positions = [frame.state.inside for frame in tab.beats]
+    assert positions == sorted(positions) and len(positions) > 3
+    state = tab.beats[-1].state
+    assert (state.iteration, state.playing) == (2, False)
+    assert state.inspected != NO_POINT
+    assert tab.beats[-1].inside is not None
+
+
+def test_play_goes_on_with_the_next_iteration_and_next_leaves(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=2))
+    tab.actions.look_inside()
+    at_its_end(tab)
+    tab.actions.play()
+    tab.wait("the next iteration", lambda: tab.beats[-1].state.iteration == 3)
+    tab.actions.step(1)
+    state = tab.settle().state
+    assert (state.iteration, state.inside, state.playing) == (4, 0, False)
+
+
+def test_a_beat_that_is_dragged_to_is_held(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=1))
+    tab.actions.to_beat(2.5)
+    state = tab.settle().state
+    assert (state.inside, state.playing, state.iteration) == (2.5, False, 1)
+    tab.actions.to_beat(0.0)
+    assert tab.settle().state.inside == 0
+
+
+def test_pressed_again_it_is_left(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=1))
+    tab.actions.to_beat(2.5)
+    tab.settle()
+    tab.actions.look_inside()
+    assert tab.settle().state.inside == 0
+
+
+def test_at_the_end_the_last_iteration_is_looked_into(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=-1))
+    tab.actions.to_beat(1.0)
+    shown = tab.settle()
+    assert shown.state.iteration == shown.run.sides[1].trajectory.iterations - 1
+
+
+def test_a_method_without_maps_gives_the_place_to_the_other(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, right="Did nothing", inspected_pane="right"))
+    tab.actions.to_beat(1.0)
+    assert tab.settle().state.inspected_pane == "left"
+
+
+def test_without_any_maps_it_is_told(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, left="Did nothing", right="Did nothing"))
+    tab.actions.look_inside()
+    assert tab.settle().state.inside == 0
+    assert any("nothing to look into" in note for note in tab.notes)
