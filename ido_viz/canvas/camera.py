@@ -16,7 +16,7 @@ from ido_viz.core.state import FARTHEST, NO_CAMERA
 _WIDTH = 5.4  # of both panes, model units: the camera steps back until they fit
 _HEIGHT = 3.1  # of a pane, with room for what is written above and below it
 _PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
-_PATIENCE = 3.0  # seconds in which a page gets to the place that it was sent
+_PATIENCE = 20.0  # seconds in which a page gets to the place that it was sent
 _LIFT = 0.12  # of the height that is seen
 _SAME = 0.01  # places that differ less are one
 

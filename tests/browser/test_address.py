@@ -18,7 +18,12 @@ from ido_viz.core.state import State, decode, encode
 from ido_viz.teach.lessons import lesson
 
 ELSEWHERE = State(
-    perturbation=Perturbation(rotation=75.0, seed=8), left="Improved DO", right="DO", iteration=6, playing=False
+    perturbation=Perturbation(rotation=75.0, seed=8),
+    left="Improved DO",
+    right="DO",
+    iteration=6,
+    playing=False,
+    replay=False,
 )
 AWAY = "The explorer is not running"
 
@@ -99,7 +104,7 @@ def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(open_
     expect_address(explorer, expected)
     explorer.choose("Lesson", "Choose a lesson")
     explorer.wait_until("an address without the lesson", lambda: "lesson=" not in explorer.page.url)
-    assert state_of(explorer) == expected
+    explorer.wait_until("the page's own state", lambda: state_of(explorer) == explorer.state() != expected)
 
 
 @pytest.mark.parametrize(
@@ -205,12 +210,18 @@ def test_a_class_scans_the_address_that_others_can_open(open_explorer: OpenExplo
     try:
         lecturer.page.goto(f"http://127.0.0.1:{app.server.get_port()}/?{app.url.partition('?')[2]}")
         lecturer.wait_ready()
+        lecturer.close_notifications()  # of the browser, over the place of the window
         lecturer.press("QR code")
         window = lecturer.page.get_by_role("dialog")
         link = f"{app.url}#state={encode(AT_THE_END)}"
         window.get_by_text(link, exact=True).wait_for()
-        (scanned,) = zxingcpp.read_barcodes(Image.open(io.BytesIO(lecturer.page.screenshot())))
-        assert scanned.text == link
+
+        def scanned() -> list[str]:
+            picture = Image.open(io.BytesIO(lecturer.page.screenshot()))
+            return [each.text for each in zxingcpp.read_barcodes(picture)]
+
+        lecturer.wait_until("the code to be there", scanned)
+        assert scanned() == [link]
         lecturer.press("Close")
         window.wait_for(state="detached")
     finally:

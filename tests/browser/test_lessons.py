@@ -131,7 +131,9 @@ def test_the_bin_that_misleads_most_is_listed_first(explorer: Explorer):
     steps = lesson("misled").steps
     explorer.choose("Lesson", lesson("misled").title)
     explorer.press("Next")
-    explorer.wait_until("the list", lambda: explorer.options("Strongest bins")[1].startswith("430 front -"))
+    first = explorer.page.locator("tr[data-bin]").first
+    explorer.wait_until("the list", lambda: first.inner_text().startswith("430 front"))
+    assert explorer.options("Strongest bins")[1].startswith("430 front -")
     explorer.press("Next")
     assert steps[2].state.inspected == 430
     explorer.wait_until("its model point", lambda: explorer.field("Model point").input_value() == "430")

@@ -64,11 +64,13 @@ def test_tabs_closed_before_they_are_ready_are_freed(
     explorer.expect_alive()
 
 
-def test_reloading_a_page_begins_afresh(explorer: Explorer):
+def test_reloading_a_page_keeps_what_it_shows_and_frees_the_session_before(explorer: Explorer):
     begun = explorer.state()
     explorer.drag("Noise", 0.1)
     explorer.wait_until("less noise", lambda: explorer.state() != begun)
+    changed = explorer.expect_to_agree()
+    explorer.wait_until("its address", lambda: explorer.page.url.endswith(explorer.code()))
     explorer.page.reload()
     explorer.wait_ready()
-    assert explorer.expect_to_agree() == begun
+    assert explorer.expect_to_agree() == changed
     explorer.wait_until("the session before to be freed", lambda: explorer.app.n_sessions == 1)

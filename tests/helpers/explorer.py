@@ -41,7 +41,7 @@ TABS = {
         "Dark",
         "Large text",
     ),
-    "Share": ("State", *(f"Hide {part}" for part in get_args(Part))),
+    "Share": ("State", "Copy link", "QR code", *(f"Hide {part}" for part in get_args(Part))),
 }
 """The tabs of the control panel and what is in each. Of the rest nothing is on the page while another is open."""
 

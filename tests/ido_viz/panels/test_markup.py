@@ -101,7 +101,7 @@ def test_a_heatmap_shows_its_method_and_blocks_as_they_are(monkeypatch: pytest.M
     page = Page(heatmap_html(maps, 1, bin_order(maps.histogram, "model index"), method_span(name, True)))
     assert set(page.tags) <= HARMLESS | {"img"}
     assert len(page.images) == 1
-    assert set(page.attributes) <= {"style", "alt", "src"}
+    assert set(page.attributes) <= {"style", "alt", "src", "data-heatmap", "data-pane"}
     assert page.open == []
     assert page.text.count(name) == 2
 
