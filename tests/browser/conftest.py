@@ -11,7 +11,7 @@ import pytest
 from explorer import AT_THE_END, SMALL, Explorer, OpenExplorer
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
-from ido_viz import session
+from ido_viz import requests
 from ido_viz.app import App
 from ido_viz.core.state import State
 
@@ -71,7 +71,7 @@ def app_for() -> Iterator[Callable[[State], App]]:
 @pytest.fixture(autouse=True)
 def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
     """Prepared pages play at once."""
-    monkeypatch.setattr(session, "FIRST_LOOK", 0.1)
+    monkeypatch.setattr(requests, "FIRST_LOOK", 0.1)
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from tab import PAUSED, Computing, PageOfTab, Tab
 
-from ido_viz import session
+from ido_viz import requests, session
 from ido_viz.core import live_run
 from ido_viz.core.state import State
 
@@ -16,7 +16,7 @@ from ido_viz.core.state import State
 def computing(monkeypatch: pytest.MonkeyPatch) -> Computing:
     computing = Computing()
     monkeypatch.setattr(session, "Page", PageOfTab)
-    monkeypatch.setattr(session, "FIRST_LOOK", 0.05)
+    monkeypatch.setattr(requests, "FIRST_LOOK", 0.05)
     monkeypatch.setattr(live_run, "make_scene", computing)
     return computing
 

@@ -13,7 +13,7 @@ from tab import LENGTH, PAUSED, Drawn, Tab
 
 from ido import Perturbation
 from ido.types import FloatArray
-from ido_viz import session as session_module
+from ido_viz import requests, session
 from ido_viz.core.state import LAST, NO_CAMERA, NO_START
 
 REPLAYING = replace(PAUSED, replay=True, iteration=LAST, speed=60)
@@ -42,7 +42,7 @@ def since(tab: Tab, frame: int) -> list[Drawn]:
 
 
 def test_a_new_page_stands_still_before_it_plays(open_tab: OpenTab, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(session_module, "FIRST_LOOK", 0.5)
+    monkeypatch.setattr(requests, "FIRST_LOOK", 0.5)
     tab = open_tab(PLAYING, calm=False)
     played(tab)
     moved = next(frame for frame in tab.frames if frame.iteration > 0)
@@ -52,8 +52,8 @@ def test_a_new_page_stands_still_before_it_plays(open_tab: OpenTab, monkeypatch:
 
 
 def test_a_page_that_is_never_seen_plays_all_the_same(open_tab: OpenTab, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(session_module, "UNSEEN", 0.5)
-    monkeypatch.setattr(session_module.Session, "_seen", lambda _: None)
+    monkeypatch.setattr(session, "UNSEEN", 0.5)
+    monkeypatch.setattr(session.Session, "_seen", lambda _: None)
     tab = open_tab(PLAYING, calm=False)
     played(tab)
     assert next(frame for frame in tab.frames if frame.iteration > 0).at - tab.frames[0].at > 0.4
@@ -62,7 +62,7 @@ def test_a_page_that_is_never_seen_plays_all_the_same(open_tab: OpenTab, monkeyp
 def test_a_page_that_is_seen_late_does_not_start_what_a_person_has_stopped(
     open_tab: OpenTab, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(session_module, "FIRST_LOOK", 30.0)
+    monkeypatch.setattr(requests, "FIRST_LOOK", 30.0)
     tab = open_tab(PLAYING)
     tab.actions.step(1)
     tab.actions.seen()
@@ -107,7 +107,7 @@ def test_another_scene_is_held_and_then_played_from_its_start(open_tab: OpenTab,
     held = [frame for frame in shown if frame.held]
     assert {frame.iteration for frame in held} == {0}
     moved = next(frame for frame in shown if frame.iteration > 0)
-    shortest = min(session_module.AFTER_A_CHANGE, session_module.AFTER_LETTING_GO)
+    shortest = min(requests.AFTER_A_CHANGE, requests.AFTER_LETTING_GO)
     assert moved.at - held[0].at > 0.9 * shortest
     iterations = [frame.iteration for frame in shown]
     assert iterations == sorted(iterations)
@@ -124,7 +124,7 @@ def test_it_waits_until_nothing_changes_any_more(open_tab: OpenTab):
     newest = next(frame for frame in since(tab, before) if frame.state.perturbation.rotation == 59)
     assert all(frame.held for frame in since(tab, before) if frame.at < newest.at)
     moved = next(frame for frame in since(tab, before) if frame.iteration > 0)
-    assert moved.at - newest.at > 0.9 * session_module.AFTER_A_CHANGE
+    assert moved.at - newest.at > 0.9 * requests.AFTER_A_CHANGE
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_a_person_who_steps_or_pauses_while_it_waits_is_obeyed(open_tab: OpenTab
         tab.set(rotation=50.0)
         tab.wait("the start", lambda tab=tab: tab.shown.held)
         act(tab)
-        time.sleep(session_module.AFTER_A_CHANGE)
+        time.sleep(requests.AFTER_A_CHANGE)
         shown = tab.settle()
         assert (shown.iteration, shown.state.playing, shown.held) == (expected, False, False)
 
@@ -259,7 +259,7 @@ def test_undo_does_not_play(open_tab: OpenTab):
     tab.actions.undo()
     shown = tab.settle()
     assert shown.state == REPLAYING
-    time.sleep(session_module.AFTER_A_CHANGE)
+    time.sleep(requests.AFTER_A_CHANGE)
     assert tab.settle() is shown
 
 
