@@ -107,7 +107,7 @@ class App:
             self._sessions[client.client_id] = session
         session.start()
         if complaint:
-            client.add_notification("This address cannot be used", complaint, color="red", auto_close_seconds=8.0)
+            client.add_notification("This address cannot be used", complaint, color="red")
 
     def _asked(self, request: Request) -> tuple[State, str, str]:
         """The state and the lesson's step that a page's address asks for, and what is wrong with it, if anything."""

@@ -18,6 +18,7 @@ _HEIGHT = 3.1  # of a pane, with room for what is written above and below it
 _PORTRAIT = 0.6  # a canvas narrower than this share of its height is a phone's
 _PATIENCE = 20.0  # seconds in which a page gets to the place that it was sent
 _LIFT = 0.12  # of the height that is seen
+_SETTLING = 0.03  # seconds after which what is read of a camera belongs together
 _SAME = 0.01  # places that differ less are one
 
 
@@ -72,25 +73,33 @@ class Camera:
                 self._place()
 
     def _on_update(self) -> None:
-        moved = False
+        place = self._elsewhere()
+        if place is not None:
+            time.sleep(_SETTLING)  # position and direction come one after the other: either may have been the older
+            place = self._elsewhere()
+        if place is not None:
+            with self._lock:
+                self._placed = place
+            self._moved(place)
+
+    def _elsewhere(self) -> tuple[float, ...] | None:
+        """From where a person looks, if it is not the place that was sent."""
+        arrived = None
         with self._lock:
             if not self._aspect:
-                return
+                return None
             if abs(self._camera.aspect - self._aspect) > 0.02 * self._camera.aspect:  # another window
                 self._place()
-                return
+                return None
             place = self._seen()
             is_there = np.allclose(place, self._placed or _FITTED, atol=_SAME)
-            arrived = self._arrived if is_there else None
+            awaited = time.perf_counter() < self._awaited_until
             if is_there:
-                self._awaited_until, self._arrived = 0.0, None
-            elif time.perf_counter() > self._awaited_until:
-                self._placed = place
-                moved = True
+                self._awaited_until = 0.0
+                arrived, self._arrived = self._arrived, None
         if arrived is not None:
             arrived()
-        if moved:
-            self._moved(place)
+        return None if is_there or awaited else place
 
     def _place(self) -> None:
         self._aspect = self._camera.aspect

@@ -107,7 +107,7 @@ def test_a_view_turned_by_the_mouse_is_kept_and_reset(explorer: Explorer, how: s
 
 def test_undo_and_redo_by_their_buttons(explorer: Explorer):
     before = explorer.state()
-    value = explorer.drag("Rotation", 0.8)
+    value = explorer.drag("Rotation", 0.8, steps=1)  # one change, however slow the machine is
     explorer.wait_until("the rotation", lambda: explorer.state().perturbation.rotation == value)
     changed = explorer.expect_to_agree()
     explorer.press("Undo")
@@ -144,12 +144,13 @@ def test_an_iteration_is_looked_into_beat_by_beat(explorer: Explorer):
     explorer.press("First (R)")
     explorer.wait_until("the start", lambda: explorer.iteration() == 0)
     explorer.press("Look inside (I)")
-    explorer.page.get_by_label("beat 1 of 5").wait_for()
+    explorer.page.get_by_label("beat 1 of 5").first.wait_for()
+    explorer.press("Pause (P)")
     for beat, share in ((2, 0.3), (3, 0.5), (4, 0.7), (5, 0.95)):
         explorer.drag("Beat", share, steps=2)
-        explorer.page.get_by_label(f"beat {beat} of 5").wait_for()
+        explorer.page.get_by_label(f"beat {beat} of 5").first.wait_for()
     explorer.press("Leave the slow motion (I)")
-    explorer.page.get_by_label("beat 5 of 5").wait_for(state="hidden")
+    explorer.page.get_by_label("beat 5 of 5").first.wait_for(state="hidden")
     explorer.expect_alive()
 
 
