@@ -21,7 +21,7 @@ import websockets.asyncio.connection  # noqa: E402
 from playwright.sync_api import Page as BrowserPage  # noqa: E402
 from playwright.sync_api import ViewportSize, sync_playwright  # noqa: E402
 
-from ido_viz import page, session  # noqa: E402
+from ido_viz import page, requests  # noqa: E402
 from ido_viz.app import App  # noqa: E402
 from ido_viz.core.state import State  # noqa: E402
 
@@ -41,7 +41,7 @@ class Watch:
         self.asked: float | None = None
         self.waited: list[float] = []
         send = websockets.asyncio.connection.Connection.send
-        draw, changed = page.Page.draw, session.Session._changed
+        draw, changed = page.Page.draw, requests.Requests._changed
 
         async def counted(connection: Any, message: Any, *rest: Any, **options: Any) -> None:
             self.bytes += len(message)
@@ -60,7 +60,7 @@ class Watch:
             changed(of)
 
         websockets.asyncio.connection.Connection.send = counted  # type: ignore[method-assign]
-        page.Page.draw, session.Session._changed = drawn, asked  # type: ignore[method-assign]
+        page.Page.draw, requests.Requests._changed = drawn, asked  # type: ignore[method-assign]
 
 
 def measure(size: tuple[int, int], seconds: float) -> None:
