@@ -33,7 +33,6 @@ HOLD = 1000
 """Milliseconds that the start and the end are shown."""
 
 _APART = 0.1  # seconds between two frames
-_SHORTEST = 20  # milliseconds; browsers slow down what is shorter
 _TOP, _BOTTOM = 118, 82  # pixels above and below the panes
 _WIDTH, _HEIGHT = SIZE[0] // 2, SIZE[1] - _TOP - _BOTTOM
 _FINER = 2  # a pixel is averaged from so many squared
@@ -50,7 +49,7 @@ def animation_gif(frame: Frame) -> bytes:
     """
     run, state = frame.run, frame.state
     positions, apart = Pacing(run).moments(state.speed, _APART, MOST_FRAMES)
-    each = max(10 * round(100 * apart), _SHORTEST)
+    each = 10 * round(100 * apart)
     slide = _Slide(run, state, sorted({int(position) for position in positions}))
     frames = (slide.frame(position) for position in positions)
     content = io.BytesIO()
