@@ -78,6 +78,7 @@ class Camera:
             time.sleep(_SETTLING)  # position and direction come one after the other: either may have been the older
             place = self._elsewhere()
         if place is not None:
+            place = NO_CAMERA if np.allclose(place, _FITTED, atol=_SAME) else place
             with self._lock:
                 self._placed = place
             self._moved(place)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import AT_THE_END, SMALL, Explorer, OpenExplorer
+from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz import requests
@@ -32,8 +32,11 @@ FLAGS = [
 
 WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
     for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
-        if (of.prototype[name]) of.prototype[name] = () => {};"""
-"""A page's 3D scene without its pixels: drawn in software, they take most of the time of a browser test."""
+        if (of.prototype[name]) of.prototype[name] = () => {};
+const nextFrame = requestAnimationFrame;
+window.requestAnimationFrame = draw => setTimeout(() => nextFrame(draw), 40);
+window.cancelAnimationFrame = clearTimeout;"""
+"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test."""
 
 
 def chromium() -> str | None:
@@ -75,25 +78,19 @@ def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def open_explorer(
-    request: pytest.FixtureRequest, browser: Browser, app_for: Callable[[State], App]
-) -> Iterator[OpenExplorer]:
-    """Opens pages that begin with a state, by default at the end of a registration and not playing.
+def draws(request: pytest.FixtureRequest) -> bool:
+    """Whether the test sees the 3D scene: that takes time."""
+    return request.node.get_closest_marker("looks_at_canvas") is not None
 
-    Their 3D scene is drawn for tests with the mark `looks_at_canvas` alone.
-    """
+
+@pytest.fixture
+def open_explorer(browser: Browser, app_for: Callable[[State], App], draws: bool) -> Iterator[OpenExplorer]:
+    """Opens new pages that begin with a state, by default at the end of a registration and not playing."""
     opened: list[Explorer] = []
-    draws = request.node.get_closest_marker("looks_at_canvas") is not None
 
     def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
-        viewport = ViewportSize(width=size[0], height=size[1])
-        explorer = Explorer(app_for(state), browser.new_page(viewport=viewport))
-        if not draws:
-            explorer.page.add_init_script(WITHOUT_DRAWING)
-        opened.append(explorer)
-        if wait:
-            explorer.open()
-        return explorer
+        opened.append(new_page(app_for(state), browser, size, draws))
+        return opened[-1].open() if wait else opened[-1]
 
     yield open_page
     errors = [error for explorer in opened for error in explorer.errors]
@@ -102,7 +99,37 @@ def open_explorer(
     assert errors == []
 
 
+def new_page(app: App, browser: Browser, size: tuple[int, int], draws: bool) -> Explorer:
+    page = browser.new_page(viewport=ViewportSize(width=size[0], height=size[1]))
+    if not draws:
+        page.add_init_script(WITHOUT_DRAWING)
+    return Explorer(app, page)
+
+
+@pytest.fixture(scope="session")
+def kept_pages() -> Iterator[dict[bool, Explorer]]:
+    """The pages that tests use one after another, each of an app of its own, by whether they draw."""
+    pages: dict[bool, Explorer] = {}
+    yield pages
+    for explorer in pages.values():
+        explorer.app.stop()
+
+
 @pytest.fixture
-def explorer(open_explorer: OpenExplorer) -> Explorer:
-    """A page at the end of a registration, not playing."""
-    return open_explorer()
+def explorer(browser: Browser, kept_pages: dict[bool, Explorer], draws: bool) -> Iterator[Explorer]:
+    """A page at the end of a registration, not playing: that of the test before, put back, for opening one takes long."""
+    kept = kept_pages.pop(draws, None)  # a test that fails keeps it from the next
+    if kept is None:
+        kept = new_page(App(AT_THE_END, port=0), browser, SMALL, draws).open()
+    yield kept
+    assert kept.errors == []
+    kept.put_back(AT_THE_END)
+    kept_pages[draws] = kept
+
+
+@pytest.fixture
+def at_the_start(explorer: Explorer) -> Explorer:
+    """A page before the first iteration, not playing."""
+    explorer.press("First (R)")
+    explorer.expect_numbers(AT_THE_START)
+    return explorer

@@ -25,11 +25,6 @@ SLIP = 2.0  # pixels
 SHORTEST_TRACK = 120  # of a slider, pixels: what one can aim with
 
 
-@pytest.fixture
-def at_the_start(open_explorer: OpenExplorer) -> Explorer:
-    return open_explorer(AT_THE_START)
-
-
 def see_both_panes(explorer: Explorer) -> None:
     """Wait until each method's cloud is seen in its own half, on its way or arrived."""
 

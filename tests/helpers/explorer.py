@@ -17,7 +17,7 @@ from playwright.sync_api import FloatRect, Locator, Page
 from ido_viz.app import App
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import MethodRun, Run, compute
-from ido_viz.core.state import LAST, Part, State, decode
+from ido_viz.core.state import LAST, Part, State, decode, encode
 
 SMALL = (1200, 700)  # software rendering takes its time for each pixel
 AT_THE_START = State(playing=False, replay=False)
@@ -122,6 +122,20 @@ class Explorer:
         """Go to the page and wait until it shows a run."""
         self.page.goto(self.app.url)
         return self.wait_ready()
+
+    def put_back(self, state: State) -> None:
+        """Make an open page like one that begins with a state: not its history, nor what was chosen inside of tabs."""
+        self.page.mouse.up()
+        if self.step() is not None:
+            self.press("Leave")
+        self.type_key("Escape")
+        self.close_notifications()
+        for tab in ("Histograms", "Maps", "Share"):
+            self.open_tab(tab)
+        self.paste(encode(state))
+        self.expect_numbers(state)
+        self.wait_until("its state", lambda: self.state() == state)
+        self.open_tab("Scene")
 
     def wait_ready(self) -> Explorer:
         """Wait until the page shows a run."""
