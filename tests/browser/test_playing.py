@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from explorer import AT_THE_START, Explorer, OpenExplorer
+from explorer import Explorer, OpenExplorer
 
 from ido_viz.core.state import LAST, State
 

@@ -270,8 +270,11 @@ class Explorer:
         for share in shares:
             self.page.mouse.move(track["x"] + share * track["width"], y, steps=steps)
         self.page.mouse.up()
-        self.pause()
-        return self.slider_value(label)
+        seen: list[float] = []
+        while len(seen) < 2 or seen[-1] != seen[-2]:  # a busy page takes a while to follow
+            self.pause()
+            seen.append(self.slider_value(label))
+        return seen[-1]
 
     def type_into(self, label: str, text: str) -> None:
         """Write into a field as from the keyboard, all at once, and leave it."""

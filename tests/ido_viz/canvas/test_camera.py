@@ -143,7 +143,7 @@ def test_a_view_from_very_far_is_told_within_what_a_state_can_hold():
 def test_back_at_the_first_view_a_page_has_no_view_of_its_own():
     window = opened(1.5)
     first = window.position
-    window.orbit(*(first + [1.0, 0.5, 0.2]))
+    window.orbit(*first + np.array([1.0, 0.5, 0.2]))
     window.orbit(*first)
     assert window.told[0] != NO_CAMERA
     assert window.told[1:] == [NO_CAMERA]
