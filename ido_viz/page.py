@@ -19,7 +19,7 @@ from ido_viz.panels.controls import Controls
 from ido_viz.panels.errors_tab import ErrorsTab
 from ido_viz.panels.help_tab import HelpTab
 from ido_viz.panels.histograms_tab import HistogramsTab
-from ido_viz.panels.in_browser import open_tab
+from ido_viz.panels.in_browser import open_tab, tabs_before
 from ido_viz.panels.inside_panel import InsidePanel
 from ido_viz.panels.inspect_tab import InspectTab
 from ido_viz.panels.maps_tab import MapsTab
@@ -52,6 +52,8 @@ class Page:
         gui.set_panel_label("IDO Explorer")
         gui.main_panel.dock_left()
         self._gui = gui
+        self._opener = gui.add_html("")
+        self._opened = 0
         self._address = AddressBar(gui)  # beside all parts, for what is hidden is not there
         self._captions = Captions(gui)
         self._inside = InsidePanel(gui)
@@ -82,10 +84,8 @@ class Page:
         with lower.add_tab("Inspect"):
             self._inspect = InspectTab(gui, state, actions.inspect)
         with self._controls.tabs["Learn"]:
-            self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, state, step)
+            self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, self._bring_tabs_back, state, step)
         Picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
-        self._opener = gui.add_html("")
-        self._opened = 0
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
         self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
@@ -151,6 +151,10 @@ class Page:
         """Open a tab of the charts."""
         self._opened += 1
         self._opener.content = open_tab(name, self._opened, at_end=False)
+
+    def _bring_tabs_back(self) -> None:
+        self._opened += 1
+        self._opener.content = tabs_before(self._opened)
 
     def move(self, frame: Frame) -> None:
         """Move both scenes to where a frame has them, and nothing else."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from ido_viz.core.state import State
 
@@ -10,7 +10,10 @@ LONGEST = 200
 """So many changes can be taken back."""
 
 AT_ONCE = 0.8
-"""Changes within so many seconds of each other, as of a dragged slider, are one."""
+"""Changes within so many seconds of each other are one."""
+
+OF_ONE_HAND = 2.5
+"""The same for changes of the same thing, as of a slider that is held still for a moment."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,20 +25,31 @@ class History:
         before: earlier ones, the latest last.
         after: what was taken back, the latest last.
         changed_at: when the present state came about, seconds.
+        changed: what changed then.
     """
 
     now: State
     before: tuple[State, ...] = ()
     after: tuple[State, ...] = ()
-    changed_at: float = -AT_ONCE
+    changed_at: float = -OF_ONE_HAND
+    changed: frozenset[str] = frozenset()
 
     def with_state(self, state: State, at: float) -> History:
         """With another present state; one that only plays or steps is no change to take back."""
         if _still(state) == _still(self.now):
-            return replace(self, now=state)
-        if at - self.changed_at < AT_ONCE and self.before:
-            return History(state, self.before, (), at)
-        return History(state, (*self.before, self.now)[-LONGEST:], (), at)
+            return self._seen_from(state)
+        changed = _differences(self.now, state)
+        if self.before and at - self.changed_at < (OF_ONE_HAND if changed == self.changed else AT_ONCE):
+            return History(state, self.before, (), at, changed)
+        return History(state, (*self.before, self.now)[-LONGEST:], (), at, changed)
+
+    def _seen_from(self, state: State) -> History:
+        """With a present state that looks the same; what was seen from its old view is now seen from its new one."""
+        before, after = (
+            tuple(replace(each, camera=state.camera) if each.camera == self.now.camera else each for each in states)
+            for states in (self.before, self.after)
+        )
+        return replace(self, now=state, before=before, after=after)
 
     def undone(self) -> History:
         """With the last change taken back; itself where there is none."""
@@ -48,6 +62,14 @@ class History:
         if not self.after:
             return self
         return History(_stopped(self.after[-1]), (*self.before, self.now), self.after[:-1])
+
+
+def _differences(one: State, other: State) -> frozenset[str]:
+    """What two states differ in, by the names of fields, also those of the perturbation."""
+    pairs = ((one, other), (one.perturbation, other.perturbation))
+    return frozenset(
+        field.name for a, b in pairs for field in fields(a) if getattr(a, field.name) != getattr(b, field.name)
+    ) - {"iteration", "playing", "camera"}
 
 
 def _still(state: State) -> State:

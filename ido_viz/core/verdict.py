@@ -22,6 +22,11 @@ class Verdict(StrEnum):
     NEARLY_IN_PLACE = "nearly in place"
     WRONG_POSE = "wrong pose"
 
+    @property
+    def foretold(self) -> str:
+        """How it is said of an end that is not shown yet."""
+        return "will end in a wrong pose" if self is Verdict.WRONG_POSE else f"will end {self}"
+
     @classmethod
     def at_the_end(cls, accuracy: float) -> Verdict:
         """Where a registration ended, by its PointAcc."""

@@ -90,7 +90,7 @@ def _verdict_html(side: SideFrame, frame: Frame) -> str:
         return ""
     verdict = side.run.verdict(side.run.trajectory.iterations) if frame.held else side.verdict
     color = palette.css(palette.text(palette.verdict_color(verdict), dark))
-    words = f"will end {verdict}" if frame.held and side.run.pending is None else str(verdict)
+    words = verdict.foretold if frame.held and side.run.pending is None else str(verdict)
     return (
         f'<b style="font-size:1.5rem;color:{color}">{_SIGNS[verdict]} {words}</b><br>'
         f'<span style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'

@@ -1,4 +1,4 @@
-"""What viser cannot be told from Python, done by the page itself: opening a tab, and keys that also move the camera.
+"""What viser cannot be told from Python, done by the page itself: opening tabs, and keys that also move the camera.
 
 viser shows HTML as it is, so a picture that cannot be loaded runs what stands in its ``onerror``, once.
 """
@@ -28,6 +28,26 @@ _ARROWS = """window.lessonKeys ??= (window.addEventListener('keydown', event => 
   event.target.dispatchEvent(new KeyboardEvent('keydown', {key, code: key, bubbles: true}));
 }, true), true)"""
 """While a lesson is shown, the arrows are the keys of a clicker; sliders, tabs and fields keep them."""
+
+
+_NOTE_TABS = """window.tabsBefore ??=
+  [...document.querySelectorAll('[role=tab][aria-selected=true]')].map(tab => tab.textContent.trim());"""
+_TABS_BEFORE = """for (const tab of document.querySelectorAll('[role=tab][aria-selected=false]')) {
+  if (!window.tabsBefore?.includes(tab.textContent.trim())) continue;
+  tab.click();
+  tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+}
+window.tabsBefore = undefined;"""
+
+
+def note_tabs() -> str:
+    """HTML that notes which tabs are open, unless some are noted already."""
+    return _run(_NOTE_TABS, 0)
+
+
+def tabs_before(turn: int) -> str:
+    """HTML that opens the noted tabs again, once; another `turn` does it again."""
+    return _run(_TABS_BEFORE, turn)
 
 
 def open_tab(name: str, turn: int, *, at_end: bool) -> str:

@@ -15,6 +15,7 @@ LARGE_TEXT = 1.25
 # Its greys and its blue are too pale to be read from the back of a room.
 _STYLE = """
 div[style*="width: 7.25em"] { width: 5.6em !important; }
+div[style*="width: 7.25em"]:has(label:empty) { display: none; }
 [role=tab] { padding-inline: 0.6rem !important; }
 .mantine-Button-root[data-size="compact-xs"] { --button-padding-x: 0.25rem !important; }
 :root[data-mantine-color-scheme="light"] { --mantine-color-dimmed: #565d64 !important;

@@ -36,7 +36,7 @@ class Playback:
             "Last": lambda: actions.jump(-1),
         }
         buttons = gui.add_button_group(
-            "Step", tuple(moves), hint="To the start, one iteration back or on, to the end. Keys: R, B, N."
+            "", tuple(moves), hint="To the start, one iteration back or on, to the end. Keys: R, B, N."
         )
         buttons.on_click(lambda event: moves[event.target.value]())
         self._look = gui.add_button(

@@ -26,6 +26,7 @@ class LessonFolder:
         client: where its widgets are placed.
         actions: opens pages, and does what a step's control does.
         show_sweep: chooses what the tab Sweeps shows.
+        bring_tabs_back: opens the tabs again that were open before a lesson.
         state: what the page begins with; if it is a step's, that step is shown.
         step: that is shown, whatever the state; as ``histogram/3``, empty for none.
 
@@ -38,6 +39,7 @@ class LessonFolder:
         client: viser.ClientHandle,
         actions: Actions,
         show_sweep: Callable[[str], None],
+        bring_tabs_back: Callable[[], None],
         state: State,
         step: str = "",
     ) -> None:
@@ -59,7 +61,7 @@ class LessonFolder:
             )
         self._menu.on_update(lambda event: self._choose(event.target.value) if event.client else None)
         moves = {"Back": self._back, "Next": self._on, "Again": self._again, "Leave": self._leave}
-        self._presenter = Presenter(client, actions, show_sweep, moves)
+        self._presenter = Presenter(client, actions, show_sweep, bring_tabs_back, moves)
         on = gui.add_command("Lesson: next step", hotkey="pagedown")
         back = gui.add_command("Lesson: step back", hotkey="pageup")
         on.on_trigger(lambda _: self._on())

@@ -10,7 +10,7 @@ import viser
 from ido_viz.core.actions import Actions
 from ido_viz.core.frame import Frame
 from ido_viz.core.state import State
-from ido_viz.panels.in_browser import arrows_turn_pages, open_tab
+from ido_viz.panels.in_browser import arrows_turn_pages, note_tabs, open_tab
 from ido_viz.teach.marks import Marks, pointers
 from ido_viz.teach.step_control import ControlView
 from ido_viz.teach.walk import Place
@@ -35,15 +35,22 @@ class Presenter:
         client: the page.
         actions: what a step's control does.
         show_sweep: chooses what the tab Sweeps shows.
+        bring_tabs_back: opens the tabs again that were open before the lesson.
         moves: the ways to other steps, and out.
     """
 
     def __init__(
-        self, client: viser.ClientHandle, actions: Actions, show_sweep: Callable[[str], None], moves: Buttons
+        self,
+        client: viser.ClientHandle,
+        actions: Actions,
+        show_sweep: Callable[[str], None],
+        bring_tabs_back: Callable[[], None],
+        moves: Buttons,
     ) -> None:
         self._gui = gui = client.gui
         self._actions = actions
         self._show_sweep = show_sweep
+        self._bring_tabs_back = bring_tabs_back
         self._marks = Marks(client.scene)
         self._place: Place | None = None
         self._control: ControlView | None = None
@@ -67,20 +74,22 @@ class Presenter:
             choices: what is offered below the text: answers, or what comes next.
             state: the page that goes with it.
         """
-        self._place = place
+        left, self._place = self._place is not None and place is None, place
         self._control = None
         self._slot.remove()
         with self._tab:
             self._slot = self._gui.add_folder(None, order=1)
         if place is None:
             self._head.content = self._script.content = ""  # without it, the arrows are the camera's again
+            if left:
+                self._bring_tabs_back()
             return
         step = place.step
         self._head.content = f'{_STYLE}<div class="lesson">{html.escape(place.lesson.title)} · {place.caption}</div>'
         self._text.content = place.text
         self._turn += 1
         tab = open_tab(step.tab, self._turn, at_end=step.end) if step is not None and step.tab is not None else ""
-        self._script.content = arrows_turn_pages() + tab
+        self._script.content = note_tabs() + arrows_turn_pages() + tab
         if step is not None and step.sweep is not None:
             self._show_sweep(step.sweep)
         with self._slot:

@@ -52,7 +52,9 @@ def test_keys_and_a_clicker_turn_pages_where_nothing_else_needs_them(explorer: E
     explorer.expect_step(1, len(chosen.steps))
 
 
-def test_the_tab_that_a_step_talks_about_is_open(explorer: Explorer):
+def test_the_tab_that_a_step_talks_about_is_open_and_the_one_before_comes_back(explorer: Explorer):
+    explorer.open_tab("Compare")
+    explorer.open_tab("Help")
     for name in get_args(Tab):
         explorer.page.get_by_role("tab", name=name, exact=True).wait_for()
     chosen = lesson("failure")
@@ -65,6 +67,9 @@ def test_the_tab_that_a_step_talks_about_is_open(explorer: Explorer):
             explorer.press("Next")
             explorer.page.get_by_text(step.guess.text.split("*")[0]).wait_for()
         explorer.press("Next")
+    explorer.press("Leave")
+    for name in ("Compare", "Help"):
+        explorer.page.get_by_role("tab", name=name, exact=True, selected=True).wait_for()
 
 
 def test_the_control_beside_the_text_is_the_one_of_the_panel(explorer: Explorer):

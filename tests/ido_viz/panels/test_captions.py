@@ -100,7 +100,7 @@ def test_a_held_scene_shows_how_it_will_end(run: Run):
         assert text.startswith("✓ will end in place")
         assert "100% arrived" in text
     for text in texts(frame_of(ending_with(run, 0.2), state, held=True), "verdicts"):
-        assert text.startswith("✗ will end wrong pose")
+        assert text.startswith("✗ will end in a wrong pose")
         assert "20% arrived" in text and "° off" in text
 
 

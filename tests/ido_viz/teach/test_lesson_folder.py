@@ -34,13 +34,19 @@ class Student:
             open_page=self._open, shown=lambda: SimpleNamespace(state=self.page), redraw=lambda: None, **_UNUSED
         )
         self.sweeps: list[str] = []
-        self.folder = LessonFolder(cast(viser.ClientHandle, client), cast(Actions, actions), self.sweeps.append, state)
+        self.brought_back = 0
+        self.folder = LessonFolder(
+            cast(viser.ClientHandle, client), cast(Actions, actions), self.sweeps.append, self._bring_tabs_back, state
+        )
         self.presenter: Any = self.folder._presenter
         self.draw()
 
     def _open(self, state: State) -> None:
         self.opened.append(state)
         self.page = state
+
+    def _bring_tabs_back(self) -> None:
+        self.brought_back += 1
 
     def draw(self) -> None:
         self.folder.draw(frame_of(run_of(self.page), self.page))
@@ -158,10 +164,12 @@ def test_leaving_brings_back_what_was_there(student: Callable[..., Student]):
     at_desk.press("Next")
     at_desk.choose(lesson("dark").title)  # another one in the middle of the first
     at_desk.press("Next")
+    assert at_desk.brought_back == 0
     at_desk.press("Leave")
     assert at_desk.page == MINE
     assert not at_desk.reading
     assert at_desk.folder._menu.value == NONE
+    assert at_desk.brought_back == 1
     at_desk.choose(lesson("dark").title)
     at_desk.choose(NONE)
     assert at_desk.page == MINE
