@@ -12,6 +12,7 @@ from PIL import Image
 
 from ido import RANGES
 from ido_viz.core import palette
+from ido_viz.core.state import encode
 
 pytestmark = [
     pytest.mark.looks_at_canvas,
@@ -202,6 +203,41 @@ def test_dark_and_light_again(explorer: Explorer):
     explorer.wait_until("histograms drawn", lambda: min(explorer.chart_ink(i) for i in range(2)) > 500)
     explorer.tick("Dark")
     explorer.wait_until("a light page", lambda: brightness(explorer) > 200)
+
+
+def test_a_dark_system_gets_a_dark_page_until_a_person_chooses(open_explorer: OpenExplorer):
+    explorer = open_explorer(wait=False)
+    explorer.page.emulate_media(color_scheme="dark")
+    explorer.open()
+    dark = explorer.page.locator("[data-mantine-color-scheme=dark]")
+    dark.wait_for()
+    assert explorer.state() == replace(AT_THE_END, dark=True)
+    explorer.tick("Dark")
+    explorer.wait_until("the light page's address", lambda: explorer.page.url.endswith(encode(AT_THE_END)))
+    explorer.page.reload()
+    explorer.wait_ready()
+    explorer.wait_until("the chosen page", lambda: explorer.state() == AT_THE_END)
+    assert dark.count() == 0
+
+
+DIVISIONS = """canvas => {
+    const {width, height} = canvas, data = canvas.getContext("2d").getImageData(0, 0, width, height).data;
+    const inked = (x, y) => data[4 * (y * width + x) + 3] > 0;
+    const rows = [...Array(height).keys()], columns = [...Array(width).keys()];
+    const full = columns.map(x => rows.filter(y => inked(x, y)).length > 0.6 * height);
+    const below = rows.slice(Math.round(0.85 * height));
+    return [full.filter((is, x) => is && !full[x - 1]).length, below.some(y => columns.some(x => inked(x, y)))];
+}"""
+"""How many lines go through a chart from below to above, and whether something is written below it."""
+
+
+def test_a_fresh_page_s_histograms_have_their_names_and_dividers(open_explorer: OpenExplorer):
+    explorer = open_explorer(AT_THE_START)
+    for number, sides in enumerate((2, 6)):
+        explorer.wait_until(
+            f"{sides - 1} lines between {sides} sides, and two at the ends",
+            lambda number=number, sides=sides: explorer.charts().nth(number).evaluate(DIVISIONS) == [sides + 1, True],
+        )
 
 
 @pytest.mark.parametrize("size", DESKTOPS, ids=lambda size: f"{size[0]}x{size[1]}")
