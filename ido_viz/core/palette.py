@@ -25,7 +25,7 @@ _SPARE: tuple[Color, ...] = ((230, 159, 0), (0, 158, 115), (204, 121, 167), (86,
 MARK: Color = (240, 228, 66)
 """What a person has picked: yellow."""
 
-OUTLIER: Color = (190, 140, 182)
+OUTLIER: Color = (163, 163, 120)
 GHOST: Color = (0, 158, 115)
 ARRIVED: Color = (0, 138, 102)
 """Scene points that are where they belong, and a method whose scene is: the green of their place, a little darker."""
