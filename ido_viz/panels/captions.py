@@ -40,9 +40,11 @@ canvas[data-engine] { anchor-name: --canvas; }
 .over-canvas > div { flex: 1 1 0; min-width: 0; text-align: center; line-height: 1.35; padding: 0 0.4rem;
   white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
 body:has(.lesson) .verdicts { bottom: auto; top: 4rem; }
+[data-dock-group]:has(.lesson) { anchor-name: --lesson; }
+body:has(.lesson) .legend { bottom: calc(anchor(--lesson top, 0rem) + 0.5rem); }
 @media (max-width: 600px) {
   .over-canvas { left: 0; right: 0; }
-  .verdicts { bottom: auto; top: 4rem; }
+  .verdicts { bottom: auto; top: calc(40vh - 4.4rem); }
   .legend { display: none; }
 }
 </style>"""
