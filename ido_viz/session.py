@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import logging
+import os
 import threading
 import time
 from dataclasses import replace
@@ -24,8 +25,12 @@ from ido_viz.core.state import (
     State,
     StateError,
 )
+from ido_viz.core.turns import Turns
 from ido_viz.page import Page
 from ido_viz.requests import Requests
+
+_TURNS = Turns(os.cpu_count() or 1)
+"""Pages are drawn so many at once: more would take the processors from each other, and all be later."""
 
 UNSEEN = 10.0
 """Seconds after which it plays even if the page never told that it shows anything."""
@@ -82,10 +87,11 @@ class Session(Requests):
                 if self._closed:
                     return
             try:
-                with self._awake:
-                    state, show, asked = self._take()
-                page.share(state)  # before what may take long to compute
-                self._frame(page, state, show, asked)
+                with _TURNS.turn():
+                    with self._awake:
+                        state, show, asked = self._take()
+                    page.share(state)  # before what may take long to compute
+                    self._frame(page, state, show, asked)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))
             except Exception as error:  # the page must outlive whatever goes wrong in one frame

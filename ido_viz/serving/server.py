@@ -3,7 +3,8 @@
 viser makes its web server in one call of `websockets.asyncio.server.serve`, and that call is all we change: while a
 viser server is made, ours stands in its place. It hands on everything, with a socket that listens already, looks at
 each request before viser sees it, remembers it for `current_request`, bounds what browsers send, and serves viser's
-page with two scripts in it: `address.js` for the address, and `page.js` for what viser's page lacks.
+page with scripts in it: `charts.js` for the data of charts, `address.js` for the address, and `page.js` for what
+viser's page lacks.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from websockets.http11 import Request, Response
 from ido_viz.serving.guests import Guests
 from ido_viz.serving.traffic import LARGEST, BoundedConnection
 
+_SCRIPTS = ("charts.js", "address.js", "page.js")
 _REQUEST: ContextVar[Request] = ContextVar("request")
 _one_at_a_time = threading.Lock()
 
@@ -121,6 +123,6 @@ def _packed_page() -> bytes:
     before, head, after = (
         (Path(viser.__file__).parent / "client/build/index.html").read_text("utf-8").partition("<head>")
     )
-    scripts = ((Path(__file__).parent / name).read_text("utf-8") for name in ("address.js", "page.js"))
+    scripts = ((Path(__file__).parent / name).read_text("utf-8") for name in _SCRIPTS)
     ours = "".join(f"<script>{script}</script>" for script in scripts)
     return gzip.compress(f"{before}{head}{ours}{after}".encode())
