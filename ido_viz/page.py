@@ -65,7 +65,7 @@ class Page:
         with self._controls.tabs["Learn"]:
             presets = PresetFolder(gui, actions.open_page)
         with self._controls.tabs["Share"]:
-            downloads = DownloadFolder(client, actions.shown)
+            self._downloads = DownloadFolder(client, actions.shown)
         upper = gui.add_panel(order=0)
         with upper.add_tab("Histograms"):
             self._histograms = HistogramsTab(gui, client.camera.image_height)
@@ -97,10 +97,18 @@ class Page:
         self._opened = 0
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
-        self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
+        self._parts |= {
+            "lessons": [self._lessons.folder],
+            "presets": [presets.folder],
+            "download": [self._downloads.folder],
+        }
         self._parts["scores"] += telling
         self._canvas = Canvas(client, actions)
         self._dark: bool | None = None
+
+    def close(self) -> None:
+        """Give up what is made for it."""
+        self._downloads.cancel()
 
     def read(self, state: State) -> tuple[State, bool]:
         """The state with the widgets' newest values, and whether they all were usable as they are."""

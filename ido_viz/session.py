@@ -66,6 +66,8 @@ class Session(Requests):
             self._closed = True
             self._live.close()
             self._comparison.cancel()
+            if self._page is not None:
+                self._page.close()
             self._awake.notify()
 
     # The thread

@@ -34,6 +34,8 @@ MESSAGES = 10
 FILE = "Animation (.gif)"
 """What each tab takes along: the longest work that one click asks for."""
 
+_LONGEST = 900.0  # seconds that a file is waited for
+
 
 @dataclass(frozen=True, slots=True)
 class Figures:
@@ -158,19 +160,21 @@ async def drag(tabs: list[HeadlessTab], seconds: float, server: Server) -> Figur
 
 
 async def play(tabs: list[HeadlessTab], seconds: float) -> float:
-    """Play in every tab; megabytes a second that were sent."""
+    """Play in every tab, and stop; megabytes a second that were sent."""
     await asyncio.gather(*(tab.set("Step", "First (R)") for tab in tabs))
     await asyncio.gather(*(tab.press("Play (P)") for tab in tabs))
     sent, began = sum(tab.counts.bytes for tab in tabs), time.perf_counter()
     await asyncio.sleep(seconds)
-    return (sum(tab.counts.bytes for tab in tabs) - sent) / (time.perf_counter() - began) / 1e6
+    rate = (sum(tab.counts.bytes for tab in tabs) - sent) / (time.perf_counter() - began) / 1e6
+    await asyncio.gather(*(tab.set("Step", "Last") for tab in tabs))
+    return rate
 
 
 async def take_along(tabs: list[HeadlessTab]) -> float:
     """Take a file along from every tab; seconds until all have theirs."""
     began = time.perf_counter()
     await asyncio.gather(*(tab.press(FILE) for tab in tabs))
-    await asyncio.gather(*(tab.until("the file", lambda tab=tab: tab.files) for tab in tabs))
+    await asyncio.gather(*(tab.until("the file", lambda tab=tab: tab.files, _LONGEST) for tab in tabs))
     return time.perf_counter() - began
 
 

@@ -110,13 +110,13 @@ class HeadlessTab:
         await self._connection.close()
         await self._listening
 
-    async def until(self, what: str, there: Callable[[], object]) -> None:
-        """Wait for something.
+    async def until(self, what: str, there: Callable[[], object], patience: float = _PATIENCE) -> None:
+        """Wait for something, so many seconds at most.
 
         Raises:
             TimeoutError: it does not come.
         """
-        ends = time.perf_counter() + _PATIENCE
+        ends = time.perf_counter() + patience
         while not there():
             if time.perf_counter() > ends:
                 raise TimeoutError(f"waited in vain for {what}")
