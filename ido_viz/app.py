@@ -18,7 +18,8 @@ from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
 from ido_viz.serving.guests import Guests, read_origins
 from ido_viz.serving.listening import authority, is_open, listen
-from ido_viz.serving.server import current_request, start
+from ido_viz.serving.server import current_request, leave_quietly, start
+from ido_viz.serving.values import refuse_nonsense
 from ido_viz.session import Session
 from ido_viz.teach.derivations import derivations
 from ido_viz.teach.lessons import lessons, step_named
@@ -98,6 +99,8 @@ class App:
             self.server.stop()
 
     async def _open(self, client: viser.ClientHandle) -> None:
+        leave_quietly(client)
+        refuse_nonsense(client, lambda reason: client.add_notification("Not taken", reason, auto_close_seconds=8.0))
         request = current_request()
         state, step, complaint = self._asked(request)
         session = Session(client, self._library, state, self._shown_address(request), step)

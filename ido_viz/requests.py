@@ -134,7 +134,11 @@ class Requests:
         with self._awake:
             if self._read_controls:  # what was asked before comes first
                 self._read()
-            self._state = change(self._state)
+            try:
+                self._state = change(self._state)
+            except StateError as error:
+                self._tell("This cannot be shown", str(error))
+                return
             if replays_after is not None and self._state.replay:
                 self._replay(replays_after)
             if show and self._page is not None:

@@ -80,10 +80,11 @@ HEAD = (
 
 @dataclass(frozen=True, slots=True)
 class Server:
-    """A server to be measured; `process` is None where it is not ours."""
+    """A server to be measured; `process` and its log are None where it is not ours."""
 
     address: str
     process: psutil.Process | None = None
+    log: Path | None = None
 
     def processor(self) -> float:
         """Seconds that it has computed, with the processes that it started."""
@@ -102,7 +103,7 @@ def started(*options: str) -> Iterator[Server]:
     command = [sys.executable, "-P", "-m", "ido_viz", "--port", "0", "--no-open", *options]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}  # what would be imported here
     with (
-        tempfile.TemporaryFile("w+") as log,
+        tempfile.NamedTemporaryFile("w+") as log,
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True, env=environment) as process,
     ):
         try:
@@ -112,7 +113,7 @@ def started(*options: str) -> Iterator[Server]:
                 process.wait()
                 log.seek(0)
                 raise RuntimeError(f"no server: {line}{log.read()}")
-            yield Server(line.split(" is at ")[1].split()[0], psutil.Process(process.pid))
+            yield Server(line.split(" is at ")[1].split()[0], psutil.Process(process.pid), Path(log.name))
         finally:
             process.terminate()
             process.wait()

@@ -64,6 +64,11 @@ def start(listener: socket.socket, guests: Guests, label: str) -> viser.ViserSer
     return server
 
 
+def leave_quietly(client: viser.ClientHandle) -> None:
+    """Have what is still drawn for a page that was closed meanwhile thrown away, without a warning of each time."""
+    client._websock_connection.get_message_buffer().sanctioned_dead_writes().__enter__()  # to its end
+
+
 @contextlib.contextmanager
 def _our_door(listener: socket.socket, guests: Guests) -> Iterator[threading.Event]:
     """While it lasts, a viser server that is made is served by us; the event says that one was."""

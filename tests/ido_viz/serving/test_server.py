@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import os
 import socket
@@ -16,10 +17,10 @@ import msgspec
 import pytest
 import viser
 import websockets.asyncio.server
+from headless import CAMERA, PROTOCOL, HeadlessTab
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
-from websockets.typing import Subprotocol
 
 from ido_viz.app import App
 from ido_viz.core.state import State, encode
@@ -29,22 +30,8 @@ from ido_viz.serving.listening import listen
 from ido_viz.serving.traffic import BURST, LARGEST, RATE, is_used
 from ido_viz.teach.lessons import lesson
 
-pytestmark = pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")  # these pages are left at once
+pytestmark = pytest.mark.filterwarnings("error:Queued a .* on a closed connection")
 PATIENCE = 20.0  # seconds; only a failing test waits that long
-PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": (1.0, 0.0, 0.0, 0.0),
-    "position": (0.0, 0.0, 5.0),
-    "fov": 1.0,
-    "near": 0.01,
-    "far": 1000.0,
-    "image_height": 700,
-    "image_width": 1200,
-    "look_at": (0.0, 0.0, 0.0),
-    "up_direction": (0.0, 0.0, 1.0),
-}
-"""A browser's first message: with it, its page begins."""
 
 BEGIN = State(playing=False)
 
@@ -206,6 +193,23 @@ def test_of_a_widget_only_the_value_can_be_changed():
     assert is_used(update(value=3))
     assert not is_used(update(sync_cb=None))
     assert not is_used(update(value=3, removed=True))
+
+
+def test_a_value_that_is_not_on_offer_is_refused_and_the_page_goes_on(app: App):
+    async def visit() -> None:
+        tab = HeadlessTab(app.url)
+        await tab.open()
+        for label, value in (("Sort by", "beauty"), ("Shape", "cow"), ("Left pane", 7), ("Order bins by", None)):
+            await tab.set(label, value)
+            await tab.until("the message", lambda label=label: any(label in note for note in tab.notes))
+        frames = tab.counts.frames
+        await tab.set("Rotation", 30)
+        await tab.until("a frame", lambda: tab.counts.frames > frames)
+        await tab.close()
+        assert all("is not on offer; choose from the list." in note for note in tab.notes)
+
+    wait("no other page", lambda: app.n_sessions == 0)
+    asyncio.run(visit())
 
 
 def test_a_flood_has_to_wait(app: App):
