@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import os
 import socket
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -30,7 +31,6 @@ from ido_viz.serving.listening import listen
 from ido_viz.serving.traffic import BURST, LARGEST, RATE, is_used
 from ido_viz.teach.lessons import lesson
 
-pytestmark = pytest.mark.filterwarnings("error:Queued a .* on a closed connection")
 PATIENCE = 20.0  # seconds; only a failing test waits that long
 
 BEGIN = State(playing=False)
@@ -161,6 +161,21 @@ def test_the_page_is_the_same_packed_or_not_and_has_our_script_before_viser_s(ap
     assert 0 < plain.index(b"hashchange") < plain.index(b"<script data-p")
     with pytest.raises(urllib.error.HTTPError, match="404"):
         urllib.request.urlopen(f"{app.url}/../secrets", timeout=10)
+
+
+def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(app: App, recwarn: pytest.WarningsRecorder):
+    async def visit() -> None:
+        for _ in range(6):
+            tab = HeadlessTab(app.url)
+            await tab.open()
+            for rotation in range(40, 60, 5):
+                await tab.set("Rotation", rotation)
+            await tab.close()
+
+    wait("no other page", lambda: app.n_sessions == 0)
+    asyncio.run(visit())
+    wait("the end of the sessions", lambda: not [t for t in threading.enumerate() if t.name.startswith("session-")])
+    assert [str(warning.message) for warning in recwarn] == []
 
 
 # What browsers may send
