@@ -18,6 +18,7 @@ from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
 from ido_viz.serving.guests import Guests, read_origins
 from ido_viz.serving.listening import authority, is_open, listen
+from ido_viz.serving.room import Room, usual_room
 from ido_viz.serving.server import current_request, leave_quietly, start
 from ido_viz.serving.values import refuse_nonsense
 from ido_viz.session import Session
@@ -38,6 +39,7 @@ class App:
         port: port to listen on; 0 for any free one, None for the first free one from 8080 on.
         token: whether an address that other machines can open has a token, without which nobody is answered.
         origins: from where else a page of ours may come, as ``https://example.org`` of a proxy.
+        sessions: how many pages are served at once; as many as suit the machine unless given.
 
     Raises:
         StateError: the state's shape or methods are not in the library.
@@ -55,6 +57,7 @@ class App:
         port: int | None = None,
         token: bool = True,
         origins: Collection[str] = (),
+        sessions: int | None = None,
     ) -> None:
         self._library = library or shipped_library()
         self._state = self._library.checked(state or State())
@@ -73,7 +76,7 @@ class App:
         names = {machine, f"{machine}.local"} if self.is_open else set[str]()
         self._guests = Guests(frozenset({host.lower()} | names), its_origins, its_token)
         with hush():  # the command prints the address itself
-            self.server = start(listener, self._guests, "IDO Explorer")
+            self.server = start(listener, self._guests, Room(sessions or usual_room()), "IDO Explorer")
         self.server.scene.world_axes.visible = False
         self.server.on_client_connect(self._open)
         self.server.on_client_disconnect(self._close)

@@ -28,16 +28,22 @@
     return url.href;
   }
 
-  // viser pales the panels while its server is away, but does not say so.
+  // viser pales the panels while its server is away, or has no room, but does not say so.
+  const AWAY = "The explorer is not running. This page goes on by itself when it runs again.";
+  const FULL = "The explorer is full. This page goes on by itself when somebody closes theirs.";
   const banner = document.createElement("div");
   banner.setAttribute("role", "status");
-  banner.textContent = "The explorer is not running. This page goes on by itself when it runs again.";
+  banner.textContent = AWAY;
   banner.style.cssText =
     "position:fixed;top:12px;left:50%;transform:translateX(-50%);z-index:1000;padding:8px 16px;border-radius:4px;" +
     "background:#c92a2a;color:#fff;font:0.875rem sans-serif";
 
   function tell(what) {
-    if (what === "closed") document.body.append(banner);
+    if (what === "closed") {
+      document.body.append(banner);
+      const asked = fetch(page, { cache: "no-store" });
+      asked.then(({ status }) => (banner.textContent = status === 503 ? FULL : AWAY)).catch(() => {});
+    }
     if (what === "connected") banner.remove();
   }
 

@@ -29,6 +29,7 @@ from ido_viz.page import Page
 from ido_viz.serving import server as serving
 from ido_viz.serving.guests import Guests
 from ido_viz.serving.listening import listen
+from ido_viz.serving.room import Room
 from ido_viz.serving.traffic import BURST, LARGEST, RATE, is_used
 from ido_viz.teach.lessons import lesson
 
@@ -191,6 +192,27 @@ def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(
     assert [str(warning.message) for warning in recwarn] == []
 
 
+def test_for_whom_there_is_no_room_gets_a_friendly_page_until_somebody_leaves():
+    app = App(BEGIN, port=0, sessions=2)
+
+    def page() -> int:
+        try:
+            return urllib.request.urlopen(app.url, timeout=10).status
+        except urllib.error.HTTPError as error:
+            assert "goes on as soon as\nsomebody closes theirs" in error.read().decode()
+            return error.code
+
+    place = f"ws://127.0.0.1:{app.server.get_port()}/"
+    try:
+        with connect(place, subprotocols=[PROTOCOL]), connect(place, subprotocols=[PROTOCOL]):
+            assert page() == 503
+            with pytest.raises(InvalidStatus, match="503"):
+                connect(place, subprotocols=[PROTOCOL])
+        wait("room", lambda: page() == 200)
+    finally:
+        app.stop()
+
+
 # What browsers may send
 
 
@@ -294,5 +316,5 @@ def test_a_viser_that_serves_in_another_way_is_not_let_run_without_our_door(monk
 
     monkeypatch.setattr(viser, "ViserServer", Otherwise)
     with listen("127.0.0.1", 0) as listener, pytest.raises(RuntimeError, match="does not serve as it is known to"):
-        serving.start(listener, Guests(), "IDO Explorer")
+        serving.start(listener, Guests(), Room(1), "IDO Explorer")
     assert stopped == [True]
