@@ -14,6 +14,7 @@ from websockets.http11 import Request
 
 from ido.console import hush
 from ido_viz.core.address import read_fragment
+from ido_viz.core.kept import Kept
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
 from ido_viz.serving.guests import Guests, read_origins
@@ -26,7 +27,11 @@ from ido_viz.teach.derivations import derivations
 from ido_viz.teach.lessons import lessons, step_named
 from ido_viz.teach.presets import presets
 
+AWAY = 120.0
+"""Seconds that a session is kept after its connection went."""
+
 _TOKEN_BYTES = 12
+_SHORTEST_NAME = 20
 
 
 class App:
@@ -65,6 +70,8 @@ class App:
             load()  # a mistake in one is said here, not when a tab is opened
         its_origins = read_origins(origins)
         self._sessions: dict[int, Session] = {}
+        self._names: dict[int, str] = {}  # of their pages
+        self._away = Kept[Session](AWAY, Session.close)
         self._lock = threading.Lock()
         listener = listen(host, port)
         self.is_open = is_open(listener)
@@ -96,6 +103,7 @@ class App:
         with self._lock:
             sessions = list(self._sessions.values())
             self._sessions.clear()
+        self._away.clear()
         for session in sessions:
             session.close()
         with hush():
@@ -106,11 +114,19 @@ class App:
         refuse_nonsense(client, lambda reason: client.add_notification("Not taken", reason, auto_close_seconds=8.0))
         request = current_request()
         state, step, complaint = self._asked(request)
-        session = Session(client, self._library, state, self._shown_address(request), step)
+        name, address = _name(request), self._shown_address(request)
+        session = self._away.take(name)
+        if session is not None and session.can_come_back:
+            session.come_back(client, state, address, step)
+        else:
+            if session is not None:  # still at the frame in which it was left
+                session.close()
+            session = Session(client, self._library, state, address, step)
         with self._lock:
             if client.client_id not in self.server.get_clients():  # gone again already
                 return
             self._sessions[client.client_id] = session
+            self._names[client.client_id] = name
         session.start()
         if complaint:
             client.add_notification("This address cannot be used", complaint, color="red")
@@ -139,5 +155,17 @@ class App:
     def _close(self, client: viser.ClientHandle) -> None:
         with self._lock:
             session = self._sessions.pop(client.client_id, None)
-        if session is not None:
+            name = self._names.pop(client.client_id, "")
+        if session is None:
+            return
+        if name:
+            session.leave()
+            self._away.keep(name, session)
+        else:
             session.close()
+
+
+def _name(request: Request) -> str:
+    """What a page calls itself each time that it connects; empty if it does not, or not with a name nobody guesses."""
+    name = parse_qs(urlsplit(request.path).query).get("page", [""])[0]
+    return name if len(name) >= _SHORTEST_NAME else ""

@@ -15,6 +15,7 @@ from dataclasses import replace
 
 import viser
 
+from ido_viz.core.address import shared
 from ido_viz.core.frame import frame_of
 from ido_viz.core.inside import BEAT_SECONDS
 from ido_viz.core.library import Library
@@ -54,21 +55,48 @@ class Session(Requests):
     ) -> None:
         super().__init__(client, library, state, address)
         self._lesson_step = step
-        self._thread = threading.Thread(target=self._serve, name=f"session-{client.client_id}", daemon=True)
+        self._thread = self._new_thread()
 
     def start(self) -> None:
         """Build the page and begin to serve it."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop; the thread ends by itself after the frame at work."""
+        """Stop for good; the thread ends by itself after the frame at work."""
+        self.leave()
         with self._awake:
-            self._closed = True
             self._live.close()
             self._comparison.cancel()
+
+    def leave(self) -> None:
+        """Stop; what is computed goes on, for the page may come back."""
+        with self._awake:
+            self._closed = True
             if self._page is not None:
                 self._page.close()
             self._awake.notify()
+
+    @property
+    def can_come_back(self) -> bool:
+        """Whether the thread has ended after `leave`."""
+        return not self._thread.is_alive()
+
+    def come_back(self, client: viser.ClientHandle, state: State, address: str = "", step: str = "") -> None:
+        """Serve a page again, of another connection: with what was computed, and what can be undone.
+
+        Args:
+            client: the page.
+            state: that its address tells.
+            address: of the page, without the fragment.
+            step: of a lesson, that its address tells; empty for none.
+        """
+        state = self._state if shared(self._state) == shared(state) else state
+        self._arrive(client, state, address)
+        self._lesson_step = step
+        self._thread = self._new_thread()
+
+    def _new_thread(self) -> threading.Thread:
+        return threading.Thread(target=self._serve, name=f"session-{self._client.client_id}", daemon=True)
 
     # The thread
 

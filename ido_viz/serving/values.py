@@ -5,7 +5,6 @@ viser takes any value over before anybody is asked. So its own way of taking val
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +13,9 @@ from viser._messages import GuiUpdateMessage
 
 LONGEST_TEXT = 20_000
 """Letters of a text that is typed or pasted; our longest code has a hundredth of that."""
+
+LARGEST_NUMBER = 2.0**53
+"""Up to which numbers are exact in a browser; much larger ones cannot be sent back to it."""
 
 _SHOWN = 40  # letters of a value in a message
 
@@ -60,7 +62,7 @@ def refusal(widget: Any, value: object) -> str | None:
         return None if usable else f"it takes text, of {LONGEST_TEXT} letters at most."
     if isinstance(now, bool):
         return None if isinstance(value, bool) else f"{_shown(value)} is neither on nor off."
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST_NUMBER:
         return f"{_shown(value)} is not a number."
     if isinstance(widget, viser.GuiSliderHandle) and not widget.min <= value <= widget.max:
         return f"{_shown(value)} does not lie between {widget.min:g} and {widget.max:g}."

@@ -111,6 +111,39 @@ def test_a_bad_address_begins_with_the_defaults(app: App, fragment: str):
     assert begun(app, f"?fragment={quote(fragment)}") == BEGIN
 
 
+def test_a_page_that_comes_back_finds_what_was_computed_and_what_it_can_undo(app: App):
+    name, other = f"?page={'a' * 32}", f"?page={'b' * 32}"
+
+    async def visit(query: str, *changes: int) -> HeadlessTab:
+        tab = HeadlessTab(f"{app.url}/{query}")
+        await tab.open()
+        for rotation in changes:
+            await tab.set("Rotation", rotation)
+            await asyncio.sleep(1.2)  # changes that follow each other at once are undone at once
+        return tab
+
+    async def come_back() -> None:
+        tab = await visit(name, 30, 50)
+        (session,) = app._sessions.values()
+        state, run = session._state, session._run
+        assert state.perturbation.rotation == 50
+        await tab.close()
+        await tab.until("the end of the thread", lambda: session.can_come_back)
+        fragment = quote(f"state={encode(state)}")
+        stranger = await visit(f"{other}&fragment={fragment}")
+        assert session not in app._sessions.values()
+        await stranger.close()
+        tab = await visit(f"{name}&fragment={fragment}")
+        await tab.until("the session", lambda: session in app._sessions.values())
+        assert session._run is run
+        await tab.set("Change", "Undo")
+        await tab.until("the change before", lambda: session._state.perturbation.rotation == 30)
+        await tab.close()
+
+    wait("no other page", lambda: app.n_sessions == 0)
+    asyncio.run(come_back())
+
+
 # Strangers
 
 

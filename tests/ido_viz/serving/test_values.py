@@ -18,7 +18,7 @@ def gui() -> Iterator[viser.GuiApi]:
     server.stop()
 
 
-NONSENSE: tuple[Any, ...] = (None, [], {}, [1], "nothing", float("nan"), float("inf"))
+NONSENSE: tuple[Any, ...] = (None, [], {}, [1], "nothing", float("nan"), float("inf"), 1e308, 10**30)
 
 
 def made(gui: viser.GuiApi) -> dict[str, Any]:
