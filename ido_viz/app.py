@@ -7,7 +7,7 @@ import socket
 import threading
 from collections.abc import Collection
 from dataclasses import replace
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs, quote, urlsplit
 
 import viser
 from websockets.http11 import Request
@@ -149,8 +149,10 @@ class App:
     def _shown_address(self, request: Request) -> str:
         """The address of a page without its fragment, as others can open it, or else as its own browser did."""
         origin = request.headers.get("Origin")
-        through = origin if origin and (not self.is_open or origin.lower() in self._guests.origins) else self._address
-        return through + (self._query or "/")
+        if not origin or (self.is_open and origin.lower() not in self._guests.origins):
+            return self._address + (self._query or "/")
+        path = parse_qs(urlsplit(request.path).query).get("path", ["/"])[0]  # a proxy's may be longer than ours
+        return origin + quote(path) + self._query.removeprefix("/")
 
     def _close(self, client: viser.ClientHandle) -> None:
         with self._lock:

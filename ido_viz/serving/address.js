@@ -35,6 +35,7 @@
   function server() {
     const url = new URL(page, location.origin.replace(/^http/, "ws"));
     url.searchParams.set("page", name());
+    url.searchParams.set("path", location.pathname);
     url.searchParams.set("fragment", fragment.slice(0, LONGEST + 1));
     if (matchMedia("(prefers-color-scheme: dark)").matches) url.searchParams.set("dark", "yes");
     return url.href;
