@@ -163,7 +163,7 @@ async def drag(tabs: list[HeadlessTab], seconds: float, server: Server) -> Figur
 async def play(tabs: list[HeadlessTab], seconds: float) -> float:
     """Play in every tab, and stop; megabytes a second that were sent."""
     await asyncio.gather(*(tab.set("Step", "First (R)") for tab in tabs))
-    await asyncio.gather(*(tab.press("Play (P)") for tab in tabs))
+    await asyncio.gather(*(tab.trigger("Play or pause") for tab in tabs))
     sent, began = sum(tab.counts.bytes for tab in tabs), time.perf_counter()
     await asyncio.sleep(seconds)
     rate = (sum(tab.counts.bytes for tab in tabs) - sent) / (time.perf_counter() - began) / 1e6
@@ -186,14 +186,17 @@ async def measure(server: Server, counts: tuple[int, ...], seconds: float, *, fi
     for count in counts:
         before = server.memory()
         tabs = await class_of(server, count)
+        opened = server.memory()
         figures = await drag(tabs, seconds, server)
         print(figures, flush=True)
         all_figures.append(figures)
         told = [f"playing {await play(tabs, seconds / 4):.2f} MB/s"]
         if files:
             told.append(f"all {count} files after {await take_along(tabs):.1f} s")
+        in_use = server.memory()
         await asyncio.gather(*(tab.close() for tab in tabs))
-        print(f"     {', '.join(told)}; memory {before:.0f} MB, then {server.memory():.0f}", flush=True)
+        told.append(f"memory {before:.0f} MB, {opened:.0f} with all open, {in_use:.0f} at the end")
+        print(f"     {'; '.join(told)}", flush=True)
     return all_figures
 
 

@@ -1,4 +1,4 @@
-"""Two servers behind nginx as assets/docs/nginx.conf has them: a prefix, encryption, and each visitor their own server."""
+"""Two servers behind nginx, as assets/docs/nginx.conf has them: a prefix, encryption, and the same server each time."""
 
 from __future__ import annotations
 

@@ -137,6 +137,10 @@ class HeadlessTab:
         """Press a button."""
         await self.send(type="GuiUpdateMessage", uuid=self.named(label), updates={"value": True})
 
+    async def trigger(self, label: str) -> None:
+        """Give a command, as a key does."""
+        await self.send(type="CommandTriggerMessage", uuid=self.named(label))
+
     def named(self, label: str) -> str:
         """The identity of a widget by its label.
 
