@@ -195,6 +195,7 @@ async def measure(server: Server, counts: tuple[int, ...], seconds: float, *, fi
             told.append(f"all {count} files after {await take_along(tabs):.1f} s")
         in_use = server.memory()
         await asyncio.gather(*(tab.close() for tab in tabs))
+        await asyncio.sleep(1.0)  # until the server has room again
         told.append(f"memory {before:.0f} MB, {opened:.0f} with all open, {in_use:.0f} at the end")
         print(f"     {'; '.join(told)}", flush=True)
     return all_figures
