@@ -91,6 +91,8 @@ class HeadlessTab:
         self.counts = Counts()
         self.widgets: dict[str, Widget] = {}
         """By their identities; the commands are among them."""
+        self.charts: set[str] = set()
+        """Identities of the charts that there are."""
         self.files: list[str] = []
         """Names of what has been downloaded."""
         self.notes: list[str] = []
@@ -177,6 +179,9 @@ class HeadlessTab:
     def _note(self, message: _Message) -> None:
         if message.type == "GuiRemoveMessage":
             self.widgets.pop(message.uuid, None)
+            self.charts.discard(message.uuid)
+        elif message.type == "GuiUplotMessage":
+            self.charts.add(message.uuid)
         elif message.type == "GuiUpdateMessage" and "options" in message.updates and message.uuid in self.widgets:
             options = msgspec.msgpack.decode(message.updates["options"], type=tuple[str, ...])
             self.widgets[message.uuid] = msgspec.structs.replace(self.widgets[message.uuid], options=options)
