@@ -124,6 +124,7 @@ class App:
             session = Session(client, self._library, state, address, step)
         with self._lock:
             if client.client_id not in self.server.get_clients():  # gone again already
+                session.close()
                 return
             self._sessions[client.client_id] = session
             self._names[client.client_id] = name
@@ -152,7 +153,7 @@ class App:
         if not origin or (self.is_open and origin.lower() not in self._guests.origins):
             return self._address + (self._query or "/")
         path = parse_qs(urlsplit(request.path).query).get("path", ["/"])[0]  # a proxy's may be longer than ours
-        return origin + quote(path) + self._query.removeprefix("/")
+        return f"{origin}/{quote(path.removeprefix('/'))}{self._query.removeprefix('/')}"
 
     def _close(self, client: viser.ClientHandle) -> None:
         with self._lock:

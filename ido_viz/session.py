@@ -102,7 +102,7 @@ class Session(Requests):
 
     def _serve(self) -> None:
         try:
-            with self._client.atomic():
+            with _TURNS.turn(), self._client.atomic():
                 page = Page(self._client, self._library, self._state, self._actions(), self._lesson_step)
         except Exception as error:  # without a page there is nothing to serve, but a person must hear of it
             _log.exception("page failed")
@@ -119,6 +119,8 @@ class Session(Requests):
             try:
                 with _TURNS.turn():
                     with self._awake:
+                        if self._closed:
+                            return
                         state, show, asked = self._take()
                     page.share(state)  # before what may take long to compute
                     self._frame(page, state, show, asked)

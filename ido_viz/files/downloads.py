@@ -15,7 +15,7 @@ import viser
 
 from ido.recording import RecordedMethod, RecordedRun
 from ido_viz.core.actions import plain
-from ido_viz.core.background import Job, Report, in_turn
+from ido_viz.core.background import CancelledError, Job, Report, in_turn
 from ido_viz.core.frame import Frame
 from ido_viz.core.run import Run
 from ido_viz.core.state import State, encode
@@ -178,26 +178,29 @@ class DownloadFolder:
         self._draw()
 
     def _send(self, export: Export, frame: Frame, report: Report) -> None:
-        with in_turn(_FILES, report):
-            report("being made")
-            content = export.make(frame, report)
-        report("being sent")
-        self._client.send_file_download(file_name(frame.state, export.ending), content, save_immediately=True)
+        try:
+            with in_turn(_FILES, report):
+                report("being made")
+                content = export.make(frame, report)
+            report("being sent")
+            self._client.send_file_download(file_name(frame.state, export.ending), content, save_immediately=True)
+        except CancelledError:
+            raise
+        except Exception as error:  # the page must outlive it, and the person hear of it
+            _log.exception("export failed")
+            self._tell("The file could not be made", f"{type(error).__name__}: {error}")
 
     def _draw(self) -> None:
         """Show how far the file is; called on its thread, too."""
-        with self._lock:
+        with self._lock:  # or what was true before would be written after the end
             job = self._job
-        if job is None:
-            return
-        if job.ended and job.error is not None:
-            _log.error("export failed", exc_info=job.error)
-            self._tell("The file could not be made", f"{type(job.error).__name__}: {job.error}")
-        text = "" if job.ended else f'<div style="margin:0 8px;font-size:0.75rem">The file is {job.progress}.</div>'
-        if self._progress.content != text:
-            self._progress.content = text
-        if self._cancel.visible == job.ended:
-            self._cancel.visible = not job.ended
+            text = ""
+            if job is not None and not job.ended:
+                text = f'<div style="margin:0 8px;font-size:0.75rem">The file is {job.progress}.</div>'
+            if self._progress.content != text:
+                self._progress.content = text
+            if self._cancel.visible != bool(text):
+                self._cancel.visible = bool(text)
 
     def _tell(self, title: str, body: str) -> None:
         self._client.add_notification(title, body, color="red", auto_close_seconds=8.0)
