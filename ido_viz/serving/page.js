@@ -33,11 +33,13 @@
 
   // The server draws the charts of the tabs that are open, and no others. A page that connects anew has an empty field.
   let telling = null;
+  let told = null;
   function tellTabs() {
     telling = null;
-    const input = field("Open tabs");
-    const open = [...document.querySelectorAll("[role=tab][aria-selected=true]")].map((tab) => tab.textContent.trim());
-    if (input && open.length && input.value !== open.join()) write(input, open.join());
+    const tabs = [...document.querySelectorAll("[role=tab][aria-selected=true]")];
+    const open = tabs.map((tab) => tab.textContent.trim()).join();
+    if (!told?.isConnected) told = field("Open tabs");
+    if (told && open && told.value !== open) write(told, open);
   }
   new MutationObserver(() => {
     telling ??= setTimeout(tellTabs, 30);
