@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import secrets
 import sys
+import tempfile
 import time
 import warnings
 from collections.abc import Sequence
@@ -21,7 +24,7 @@ from tyro.extras import SubcommandApp
 
 from ido.arguments import MAPS_HELP, CloudName, HistogramName, habits, maps_of, place_of, points_of
 from ido.clouds import Cloud, CloudWarning, Model, Orientation
-from ido.console import note, progress_bar, replace_what_cannot_be_shown
+from ido.console import ended_as_by_ctrl_c, note, progress_bar, replace_what_cannot_be_shown
 from ido.disk import check_apart, check_output
 from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.experiments.commands import app as experiments
@@ -90,7 +93,8 @@ def train_command(
     outliers, missing part and pose, teach one map after the other how to move a scene back onto the model. The
     defaults are the paper's. They take a few minutes and about 1 GB of memory on two cores.
 
-    Ctrl-C ends the training early and saves the maps finished by then; the exit code is then 130.
+    Ctrl-C ends the training early and saves the maps finished by then, as does SIGTERM; the exit code is then 130. If
+    the disk is full at the end, the maps go to another folder, which is printed, and the exit code is 2.
 
     Args:
         cloud: File or shipped shape.
@@ -115,7 +119,8 @@ def train_command(
     normalised = Cloud.of(points_of(cloud, drop_invalid=drop_invalid))
     feature = histogram_class(histogram)(Model.of(normalised, orientation=orientation))
     began = time.monotonic()
-    with pool as (executor, _), progress_bar("{task.completed} of {task.total} maps", "{task.description}") as progress:
+    bar = progress_bar("{task.completed} of {task.total} maps", "{task.description}")
+    with ended_as_by_ctrl_c(), pool as (executor, _), bar as progress:
         task = progress.add_task(f"drawing {samples:,} scenes", total=maps)
 
         def show(done: int, error: float) -> None:
@@ -131,11 +136,32 @@ def train_command(
         finally:
             if executor:
                 executor.shutdown(cancel_futures=True)
-    trained.save(output)
+    place = save_somewhere(trained, output)
     for line in training_summary(trained, time.monotonic() - began):
         note(line)
-    note(f"written to {escape(str(output))}")
+    note(f"written to {escape(str(place))}")
+    if place != output:
+        return 2
     return None if trained.complete else 130
+
+
+def save_somewhere(maps: Maps, output: Path) -> Path:
+    """Save maps, in another folder if theirs cannot be written to any more; where they are.
+
+    Raises:
+        OSError: they can be written nowhere.
+    """
+    try:
+        maps.save(output)
+        return output
+    except OSError as error:
+        note(f"[bold red]error:[/] {escape(f'{output}: {error.strerror}')}; the maps go elsewhere")
+        for folder in (Path.cwd(), Path.home(), Path(tempfile.gettempdir())):
+            place = folder / f"{output.stem}.{secrets.token_hex(4)}.npz"
+            with contextlib.suppress(OSError):
+                maps.save(place)
+                return place
+        raise
 
 
 def sweep_command(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import io
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 
 import rich
@@ -30,6 +32,19 @@ def progress_bar(*columns: str) -> Progress:
         console=Console(stderr=True),
         speed_estimate_period=3600,
     )
+
+
+@contextlib.contextmanager
+def ended_as_by_ctrl_c() -> Iterator[None]:
+    """Have a request to end (SIGTERM, as of a cluster whose time is up) do what Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():  # which alone can be told
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def replace_what_cannot_be_shown() -> None:

@@ -107,7 +107,7 @@ class Histogram(ABC):
         """Of all blocks, in the order of the bins, M for each."""
         return tuple(side for block in self.blocks for side in block.sides)
 
-    @property
+    @cached_property
     def questions(self) -> tuple[Question, ...]:
         """The blocks that can be asked about a single pair of points."""
         return tuple(block for block in self.blocks if isinstance(block, Question))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -114,7 +115,6 @@ class Maps:
             "version": self.version,
         }
         arrays = {
-            "header": np.array(json.dumps(header)),
             "maps": self.maps.astype(np.float32),
             "model_points": self.histogram.model.points,
             "model_normals": self.histogram.model.normals,
@@ -123,7 +123,8 @@ class Maps:
             **{f"curves_{name}": values for name, values in asdict(self.curves).items()},
         }
         arrays["curves_residuals"] = self.curves.residuals.astype(np.float16)
-        write_whole(path, packed(arrays))
+        header["checksum"] = _checksum(header, arrays)
+        write_whole(path, packed({"header": np.array(json.dumps(header)), **arrays}))
 
     @classmethod
     def load(cls, path: str | Path, histograms: Mapping[str, type[Histogram]] = HISTOGRAMS) -> Maps:
@@ -171,6 +172,9 @@ class Maps:
                 raise MapsError(f"its {name} holds numbers that are not finite")
         if n_maps == 0 or not arrays["scale"] > 0:
             raise MapsError("it holds no maps, or no scale")
+        known = {name: array for name, array in arrays.items() if name in shapes}
+        if "checksum" in header and header.pop("checksum") != _checksum(header, known):  # older files have none
+            raise MapsError("it was changed or damaged since it was written; train the maps again, or take a copy")
         curves["residuals"] = _float32(curves["residuals"])
         return cls(
             _float32(arrays["maps"]),
@@ -180,6 +184,15 @@ class Maps:
             TrainingCurves(**curves),
             str(header["version"]),
         )
+
+
+def _checksum(header: Mapping[str, object], arrays: Mapping[str, np.ndarray]) -> str:
+    """SHA-256 of all that a file holds, the checksum itself left out."""
+    digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
+    for name in sorted(arrays):
+        digest.update(f"{name} {arrays[name].dtype.str} {arrays[name].shape}".encode())
+        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
+    return digest.hexdigest()
 
 
 def _float32(array: np.ndarray) -> FloatArray:

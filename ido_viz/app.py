@@ -7,24 +7,31 @@ import socket
 import threading
 from collections.abc import Collection
 from dataclasses import replace
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs, quote, urlsplit
 
 import viser
 from websockets.http11 import Request
 
 from ido.console import hush
 from ido_viz.core.address import read_fragment
+from ido_viz.core.kept import Kept
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
 from ido_viz.serving.guests import Guests, read_origins
 from ido_viz.serving.listening import authority, is_open, listen
-from ido_viz.serving.server import current_request, start
+from ido_viz.serving.room import Room, usual_room
+from ido_viz.serving.server import current_request, leave_quietly, start
+from ido_viz.serving.values import refuse_nonsense
 from ido_viz.session import Session
 from ido_viz.teach.derivations import derivations
 from ido_viz.teach.lessons import lessons, step_named
 from ido_viz.teach.presets import presets
 
+AWAY = 120.0
+"""Seconds that a session is kept after its connection went."""
+
 _TOKEN_BYTES = 12
+_SHORTEST_NAME = 20
 
 
 class App:
@@ -37,6 +44,7 @@ class App:
         port: port to listen on; 0 for any free one, None for the first free one from 8080 on.
         token: whether an address that other machines can open has a token, without which nobody is answered.
         origins: from where else a page of ours may come, as ``https://example.org`` of a proxy.
+        sessions: how many pages are served at once; as many as suit the machine unless given.
 
     Raises:
         StateError: the state's shape or methods are not in the library.
@@ -54,6 +62,7 @@ class App:
         port: int | None = None,
         token: bool = True,
         origins: Collection[str] = (),
+        sessions: int | None = None,
     ) -> None:
         self._library = library or shipped_library()
         self._state = self._library.checked(state or State())
@@ -61,6 +70,8 @@ class App:
             load()  # a mistake in one is said here, not when a tab is opened
         its_origins = read_origins(origins)
         self._sessions: dict[int, Session] = {}
+        self._names: dict[int, str] = {}  # of their pages
+        self._away = Kept[Session](AWAY, Session.close)
         self._lock = threading.Lock()
         listener = listen(host, port)
         self.is_open = is_open(listener)
@@ -72,7 +83,7 @@ class App:
         names = {machine, f"{machine}.local"} if self.is_open else set[str]()
         self._guests = Guests(frozenset({host.lower()} | names), its_origins, its_token)
         with hush():  # the command prints the address itself
-            self.server = start(listener, self._guests, "IDO Explorer")
+            self.server = start(listener, self._guests, Room(sessions or usual_room()), "IDO Explorer")
         self.server.scene.world_axes.visible = False
         self.server.on_client_connect(self._open)
         self.server.on_client_disconnect(self._close)
@@ -92,19 +103,31 @@ class App:
         with self._lock:
             sessions = list(self._sessions.values())
             self._sessions.clear()
+        self._away.clear()
         for session in sessions:
             session.close()
         with hush():
             self.server.stop()
 
     async def _open(self, client: viser.ClientHandle) -> None:
+        leave_quietly(client)
+        refuse_nonsense(client, lambda reason: client.add_notification("Not taken", reason, auto_close_seconds=8.0))
         request = current_request()
         state, step, complaint = self._asked(request)
-        session = Session(client, self._library, state, self._shown_address(request), step)
+        name, address = _name(request), self._shown_address(request)
+        session = self._away.take(name)
+        if session is not None and session.can_come_back:
+            session.come_back(client, state, address, step)
+        else:
+            if session is not None:  # still at the frame in which it was left
+                session.close()
+            session = Session(client, self._library, state, address, step)
         with self._lock:
             if client.client_id not in self.server.get_clients():  # gone again already
+                session.close()
                 return
             self._sessions[client.client_id] = session
+            self._names[client.client_id] = name
         session.start()
         if complaint:
             client.add_notification("This address cannot be used", complaint, color="red")
@@ -127,11 +150,25 @@ class App:
     def _shown_address(self, request: Request) -> str:
         """The address of a page without its fragment, as others can open it, or else as its own browser did."""
         origin = request.headers.get("Origin")
-        through = origin if origin and (not self.is_open or origin.lower() in self._guests.origins) else self._address
-        return through + (self._query or "/")
+        if not origin or (self.is_open and origin.lower() not in self._guests.origins):
+            return self._address + (self._query or "/")
+        path = parse_qs(urlsplit(request.path).query).get("path", ["/"])[0]  # a proxy's may be longer than ours
+        return f"{origin}/{quote(path.removeprefix('/'))}{self._query.removeprefix('/')}"
 
     def _close(self, client: viser.ClientHandle) -> None:
         with self._lock:
             session = self._sessions.pop(client.client_id, None)
-        if session is not None:
+            name = self._names.pop(client.client_id, "")
+        if session is None:
+            return
+        if name:
+            session.leave()
+            self._away.keep(name, session)
+        else:
             session.close()
+
+
+def _name(request: Request) -> str:
+    """What a page calls itself each time that it connects; empty if it does not, or not with a name nobody guesses."""
+    name = parse_qs(urlsplit(request.path).query).get("page", [""])[0]
+    return name if len(name) >= _SHORTEST_NAME else ""

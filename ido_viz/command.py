@@ -54,6 +54,8 @@ class Options:
     """Answer other machines only with the token of the printed address."""
     allow_origin: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ORIGIN ...")] = ()
     """Where else the page may come from, as https://example.org of a proxy."""
+    sessions: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Pages that are served at once; as many as suit the machine unless given."""
     open: bool = True
     """Open the page in a browser."""
 
@@ -78,6 +80,7 @@ def run() -> int:
             port=options.port,
             token=options.token,
             origins=options.allow_origin,
+            sessions=options.sessions,
         )
     except (StateError, ContentError, CloudError, MapsError, OwnError, ListenError, OriginError, OSError) as error:
         print(f"ido-viz: {error}", file=sys.stderr)
@@ -106,6 +109,8 @@ def start(options: Options) -> tuple[Library, State]:
         OwnError: a method or histogram of one's own is not named as it must be.
     """
     library = shipped_library()
+    if options.sessions is not None and options.sessions < 1:
+        raise StateError(f"--sessions must be at least 1, not {options.sessions}")
     if options.lesson and (options.state or options.shape or options.cloud or options.maps):
         raise StateError("give --lesson without --state, --shape, --cloud and --maps")
     state = lesson(options.lesson).steps[0].state if options.lesson else State()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import viser
 
 from ido_viz.canvas.canvas import Canvas
@@ -17,19 +19,23 @@ from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
 from ido_viz.panels.controls import Controls
 from ido_viz.panels.errors_tab import ErrorsTab
+from ido_viz.panels.from_browser import OPEN_TABS, unseen_field
 from ido_viz.panels.help_tab import HelpTab
 from ido_viz.panels.histograms_tab import HistogramsTab
 from ido_viz.panels.in_browser import open_tab, tabs_before
 from ido_viz.panels.inside_panel import InsidePanel
 from ido_viz.panels.inspect_tab import InspectTab
 from ido_viz.panels.maps_tab import MapsTab
-from ido_viz.panels.picking import Picking
+from ido_viz.panels.picking import add_picking
 from ido_viz.panels.placing import Placing
 from ido_viz.panels.sweeps_tab import SweepsTab
 from ido_viz.panels.training_tab import TrainingTab
 from ido_viz.teach.derivations_tab import DerivationsTab
 from ido_viz.teach.lesson_folder import LessonFolder
 from ido_viz.teach.preset_folder import PresetFolder
+
+_FIRST_OPEN = frozenset({"Histograms", "Maps"})
+"""Tabs of charts that are open in a page that has not told yet."""
 
 _BRAND = ((0, 114, 178), (0, 136, 208))  # of a light and of a dark page, for text on it must be readable
 
@@ -61,7 +67,7 @@ class Page:
         with self._controls.tabs["Learn"]:
             presets = PresetFolder(gui, actions.open_page)
         with self._controls.tabs["Share"]:
-            downloads = DownloadFolder(client, actions.shown)
+            self._downloads = DownloadFolder(client, actions.shown)
         upper = gui.add_panel(order=0)
         with upper.add_tab("Histograms"):
             self._histograms = HistogramsTab(gui, client.camera.image_height)
@@ -85,13 +91,24 @@ class Page:
             self._inspect = InspectTab(gui, state, actions.inspect)
         with self._controls.tabs["Learn"]:
             self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, self._bring_tabs_back, state, step)
-        Picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
+        add_picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
+        self._open = _FIRST_OPEN
+        self._redraw = actions.redraw
+        unseen_field(gui, OPEN_TABS, self._tabs_opened)
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
-        self._parts |= {"lessons": [self._lessons.folder], "presets": [presets.folder], "download": [downloads.folder]}
+        self._parts |= {
+            "lessons": [self._lessons.folder],
+            "presets": [presets.folder],
+            "download": [self._downloads.folder],
+        }
         self._parts["scores"] += telling
         self._canvas = Canvas(client, actions)
         self._dark: bool | None = None
+
+    def close(self) -> None:
+        """Give up what is made for it."""
+        self._downloads.cancel()
 
     def read(self, state: State) -> tuple[State, bool]:
         """The state with the widgets' newest values, and whether they all were usable as they are."""
@@ -127,15 +144,30 @@ class Page:
         self._canvas.draw(frame, lifted=self._lessons.is_open or frame.inside is not None)
         self._placing.draw(state)
         self._hide(state)
-        for tab in (self._inspect, self._histograms, self._maps, self._errors, self._training):
-            tab.draw(frame)
-        self._compare.draw(comparison, state)
-        self._sweeps.draw(state)
-        self._derivations.draw(state.dark)
+        for name, draw in self._of_tabs(frame, comparison).items():
+            if name in self._open:
+                draw()
         self._controls.draw(frame, may_cancel=may_cancel)
         self._captions.draw(frame)
         self._inside.draw(frame)
         self._lessons.draw(frame)
+
+    def _of_tabs(self, frame: Frame, comparison: Comparison) -> dict[str, Callable[[], None]]:
+        """How each tab of charts is drawn; those that are closed are not."""
+        return {
+            "Histograms": lambda: self._histograms.draw(frame),
+            "Training": lambda: self._training.draw(frame),
+            "Derivations": lambda: self._derivations.draw(frame.state.dark),
+            "Maps": lambda: self._maps.draw(frame),
+            "Errors": lambda: self._errors.draw(frame),
+            "Compare": lambda: self._compare.draw(comparison, frame.state),
+            "Sweeps": lambda: self._sweeps.draw(frame.state),
+            "Inspect": lambda: self._inspect.draw(frame),
+        }
+
+    def _tabs_opened(self, names: str) -> None:
+        self._open = frozenset(names.split(","))
+        self._redraw()
 
     def draw_inside(self, frame: Frame) -> None:
         """Draw the slow motion of an iteration, and nothing that stays the same in it."""

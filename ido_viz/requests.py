@@ -70,24 +70,28 @@ class Requests:
     """
 
     def __init__(self, client: viser.ClientHandle, library: Library, state: State, address: str = "") -> None:
-        self._client = client
-        self._address = address
         self._library = library
         self._awake = threading.Condition()
+        self._run: Run | None = None
+        self._live = LiveRun(library, self._wake)
+        self._comparison = Comparison(library, self._wake)
+        self._history = History(state)
+        self._arrive(client, state, address)
+
+    def _arrive(self, client: viser.ClientHandle, state: State, address: str) -> None:
+        """Begin with a page that is yet to be built."""
+        self._client = client
+        self._address = address
         self._state = state
         self._read_controls = False
         self._dirty = True
         self._closed = False
-        self._run: Run | None = None
         self._page: Page | None = None  # built by the thread
         self._drawn: Frame | None = None
-        self._live = LiveRun(library, self._wake)
-        self._comparison = Comparison(library, self._wake)
         self._clock = Clock(max(state.iteration, 0))
         self._first_look = False  # whether a page that plays has yet to be seen
         self._charts_are_old = False  # those of a page that had no size yet
         self._in_hand = False  # whether what is waited for is the end of a change
-        self._history = History(state)
         self._hand = Hand()
 
     def _actions(self) -> Actions:
@@ -134,7 +138,11 @@ class Requests:
         with self._awake:
             if self._read_controls:  # what was asked before comes first
                 self._read()
-            self._state = change(self._state)
+            try:
+                self._state = change(self._state)
+            except StateError as error:
+                self._tell("This cannot be shown", str(error))
+                return
             if replays_after is not None and self._state.replay:
                 self._replay(replays_after)
             if show and self._page is not None:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import html
 import logging
+import os
 import threading
 import time
 from dataclasses import replace
 
 import viser
 
+from ido_viz.core.address import shared
 from ido_viz.core.frame import frame_of
 from ido_viz.core.inside import BEAT_SECONDS
 from ido_viz.core.library import Library
@@ -24,8 +26,12 @@ from ido_viz.core.state import (
     State,
     StateError,
 )
+from ido_viz.core.turns import Turns
 from ido_viz.page import Page
 from ido_viz.requests import Requests
+
+_TURNS = Turns(os.cpu_count() or 1)
+"""Pages are drawn so many at once: more would take the processors from each other, and all be later."""
 
 UNSEEN = 10.0
 """Seconds after which it plays even if the page never told that it shows anything."""
@@ -49,25 +55,54 @@ class Session(Requests):
     ) -> None:
         super().__init__(client, library, state, address)
         self._lesson_step = step
-        self._thread = threading.Thread(target=self._serve, name=f"session-{client.client_id}", daemon=True)
+        self._thread = self._new_thread()
 
     def start(self) -> None:
         """Build the page and begin to serve it."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop; the thread ends by itself after the frame at work."""
+        """Stop for good; the thread ends by itself after the frame at work."""
+        self.leave()
         with self._awake:
-            self._closed = True
             self._live.close()
             self._comparison.cancel()
+
+    def leave(self) -> None:
+        """Stop; what is computed goes on, for the page may come back."""
+        with self._awake:
+            self._closed = True
+            if self._page is not None:
+                self._page.close()
             self._awake.notify()
+
+    @property
+    def can_come_back(self) -> bool:
+        """Whether the thread has ended after `leave`."""
+        return not self._thread.is_alive()
+
+    def come_back(self, client: viser.ClientHandle, state: State, address: str = "", step: str = "") -> None:
+        """Serve a page again, of another connection: with what was computed, and what can be undone.
+
+        Args:
+            client: the page.
+            state: that its address tells.
+            address: of the page, without the fragment.
+            step: of a lesson, that its address tells; empty for none.
+        """
+        state = self._state if shared(self._state) == shared(state) else state
+        self._arrive(client, state, address)
+        self._lesson_step = step
+        self._thread = self._new_thread()
+
+    def _new_thread(self) -> threading.Thread:
+        return threading.Thread(target=self._serve, name=f"session-{self._client.client_id}", daemon=True)
 
     # The thread
 
     def _serve(self) -> None:
         try:
-            with self._client.atomic():
+            with _TURNS.turn(), self._client.atomic():
                 page = Page(self._client, self._library, self._state, self._actions(), self._lesson_step)
         except Exception as error:  # without a page there is nothing to serve, but a person must hear of it
             _log.exception("page failed")
@@ -82,10 +117,13 @@ class Session(Requests):
                 if self._closed:
                     return
             try:
-                with self._awake:
-                    state, show, asked = self._take()
-                page.share(state)  # before what may take long to compute
-                self._frame(page, state, show, asked)
+                with _TURNS.turn():
+                    with self._awake:
+                        if self._closed:
+                            return
+                        state, show, asked = self._take()
+                    page.share(state)  # before what may take long to compute
+                    self._frame(page, state, show, asked)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))
             except Exception as error:  # the page must outlive whatever goes wrong in one frame

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from types import TracebackType
 from typing import Generic, TypeVar
+
+from ido_viz.core.turns import POLL, Turns
 
 Result = TypeVar("Result")
 
 Report = Callable[[int | str], None]
 """Called by work with the number of its iterations so far, or with what it is at; what it raises ends the work."""
 
-POLL = 0.1
-"""Seconds between two looks at whether somebody who waits has given up."""
+SLOW = Turns(os.cpu_count() or 1)
+"""Of methods that do not keep up with a slider, for all pages; those of a user's own, which may hang, do without."""
 
 _TELL = 0.25  # seconds between two tellings of how far it is
+
+
+def in_turn(turns: Turns, report: Report) -> AbstractContextManager[None]:
+    """Work that waits for its turn, and tells how many come before; what the report raises gives it up."""
+    return turns.turn(lambda before: report(f"waiting, {before} before it"))
 
 
 class CancelledError(Exception):

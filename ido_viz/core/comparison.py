@@ -5,13 +5,14 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
 
 from ido import Method, Scene, score
 from ido.registration import Watch
-from ido_viz.core.background import CancelledError, Job, Report
+from ido_viz.core.background import SLOW, CancelledError, Job, Report, in_turn
 from ido_viz.core.library import Library
 from ido_viz.core.run import make_scene, scene_inputs
 from ido_viz.core.state import State
@@ -66,6 +67,12 @@ class Comparison:
         """Whether rows are still to come."""
         return self._job is not None and not self._job.ended
 
+    @property
+    def waiting(self) -> str:
+        """That it waits for other pages' work, and for how much; empty if it does not."""
+        progress = self._job.progress if self._job is not None and self.running else ""
+        return progress if progress.startswith("waiting") else ""
+
     def fits(self, state: State) -> bool:
         """Whether the rows are of the state's scene."""
         return self._of == _inputs(state)
@@ -83,11 +90,14 @@ class Comparison:
             self._job.cancel()
 
     def _fill(self, state: State, rows: list[Row], report: Report) -> None:
-        scene = make_scene(self._library.subject(state.shape), state)
-        for name in self._library.methods(state.shape):
+        subject = self._library.subject(state.shape)
+        scene = make_scene(subject, state)
+        for name in subject.methods:
             try:
-                method = self._library.entry(state.shape, name).make(state.epsilon, state.max_iterations, report)
-                rows.append(measured(method, scene, report))
+                with nullcontext() if name in subject.own else in_turn(SLOW, report):
+                    report("")
+                    method = self._library.entry(state.shape, name).make(state.epsilon, state.max_iterations, report)
+                    rows.append(measured(method, scene, report))
             except CancelledError:
                 raise
             except BaseException as error:  # the others are still of interest; one of one's own may call sys.exit

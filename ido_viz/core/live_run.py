@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 
 from ido import Scene
-from ido_viz.core.background import Job
+from ido_viz.core.background import SLOW, Job, Report, in_turn
 from ido_viz.core.failures import headline, traceback_of
 from ido_viz.core.library import Entry, Library, Selection
 from ido_viz.core.run import MethodRun, Run, inputs, make_scene, register_side, waiting_side
@@ -98,7 +99,11 @@ class LiveRun:
             self._drop_jobs()
 
     def _job(self, entry: Entry, selection: Selection, state: State, scene: Scene) -> Job[MethodRun]:
-        return Job(lambda watch: register_side(entry, selection, state, scene, watch=watch), self._changed)
+        def work(report: Report) -> MethodRun:
+            with nullcontext() if entry.name in selection.subject.own else in_turn(SLOW, report):
+                return register_side(entry, selection, state, scene, watch=report)
+
+        return Job(work, self._changed)
 
     def _drop_jobs(self) -> None:
         for job in self._jobs.values():

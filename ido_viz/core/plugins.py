@@ -32,7 +32,8 @@ from ido.npz import read_arrays
 from ido.perturbation import OutlierKind
 from ido.registration import Watch
 from ido.types import FloatArray
-from ido_viz.core.background import POLL, Report, Shared
+from ido_viz.core.background import Report, Shared
+from ido_viz.core.turns import POLL
 
 QUICK = TrainingSettings(samples=1000, maps=10)
 """What maps of one's own feature are trained with when there are none: a thirtieth of the paper's scenes."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,35 +23,43 @@ MOST_DISTANCES = 100
 """At so many iterations at most, the distance to the reference line is measured."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class MethodRun:
     """One method's registration of the scene.
 
     Args:
+        scene: what it registered.
         method: its name.
         maps: what it walks; None for a method that learns nothing.
         histogram: what its poses are seen through: its own, else the shape's first.
         trajectory: all poses.
         T_model_scene: the same as matrices, shape (n + 1, 4, 4).
         scores: of every pose, each of shape (n + 1,).
-        distances: of the histogram from the reference line at every pose, see `distances`; shape (n + 1,).
         settings: all of the method's, plain values.
         pending: why there is nothing but the start yet: it is computed, was cancelled or failed; None once there is.
         waiting: the same in words; empty once there is.
         trace: where it failed, if it did.
     """
 
+    scene: Scene
     method: str
     maps: Maps | None
     histogram: Histogram
     trajectory: Trajectory
     T_model_scene: FloatArray
     scores: Scores
-    distances: FloatArray
     settings: Mapping[str, object] = field(default_factory=dict)
     pending: Verdict | None = None
     waiting: str = ""
     trace: str = ""
+
+    @cached_property
+    def distances(self) -> FloatArray:
+        """Of the histogram from the reference line at every pose, see `distances`; shape (n + 1,).
+
+        Measured when it is first asked for, since it takes as long as the registration itself.
+        """
+        return distances(self.histogram, self.scene, self.trajectory)
 
     @property
     def norms(self) -> FloatArray:
@@ -168,7 +177,10 @@ def register_side(
     method = entry.make(state.epsilon, state.max_iterations, watch or (lambda _: None))
     trajectory = method.register(scene.points, watch=watch)
     histogram = selection.subject.first_histogram if method.histogram is None else method.histogram
-    return _side(entry.name, scene, trajectory, histogram, maps=method.maps, settings=method.settings)
+    side = _side(entry.name, scene, trajectory, histogram, maps=method.maps, settings=method.settings)
+    if not entry.quick:
+        _ = side.distances  # here, where what a histogram of one's own raises is told of
+    return side
 
 
 def waiting_side(entry: Entry, selection: Selection, scene: Scene, waiting: str) -> MethodRun:
@@ -180,13 +192,12 @@ def waiting_side(entry: Entry, selection: Selection, scene: Scene, waiting: str)
 
 def _side(name: str, scene: Scene, trajectory: Trajectory, histogram: Histogram, **rest: Any) -> MethodRun:
     track = trajectory.T_model_scene
-    away = distances(histogram, scene, trajectory)
     return MethodRun(
+        scene=scene,
         method=name,
         histogram=histogram,
         trajectory=trajectory,
         T_model_scene=track,
         scores=score(scene, track),
-        distances=away,
         **{"maps": None, **rest},
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from PIL import Image, ImageDraw, ImageFont
 from ido import poses
 from ido.types import FloatArray
 from ido_viz.core import palette
+from ido_viz.core.background import Report
 from ido_viz.core.frame import Frame, SideFrame, frame_at
 from ido_viz.core.geometry import error_vectors, track_of
 from ido_viz.core.pacing import Pacing
@@ -41,17 +42,24 @@ _GREYS = 5  # of the model, by height
 _STEPS = 4  # in which a colour fades into the page's: as many as averaging makes
 
 
-def animation_gif(frame: Frame) -> bytes:
+def animation_gif(frame: Frame, report: Report = lambda _: None) -> bytes:
     """Both registrations of a page from the start to the end, in a loop, at the pace of the page (see `pacing`).
 
     It shows what the canvas shows while playing: titles with iterations and scores, the model, the scene with its
-    outliers and, as far as the state asks for them, where it belongs, error vectors and overlays; light or dark.
+    outliers and, as far as the state asks for them, where it belongs, error vectors and overlays; light or dark. The
+    report is told of each picture; what it raises ends the work.
     """
     run, state = frame.run, frame.state
     positions, apart = Pacing(run).moments(state.speed, _APART, MOST_FRAMES)
     each = 10 * round(100 * apart)
     slide = _Slide(run, state, sorted({int(position) for position in positions}))
-    frames = (slide.frame(position) for position in positions)
+
+    def drawn() -> Iterator[Image.Image]:
+        for number, position in enumerate(positions, 1):
+            report(f"drawn, picture {number} of {len(positions)}")
+            yield slide.frame(position)
+
+    frames = drawn()
     content = io.BytesIO()
     next(frames).save(
         content,

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import ctypes
 import io
 import logging
 import re
+import sys
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -13,13 +17,17 @@ import numpy as np
 import viser
 
 from ido.recording import RecordedMethod, RecordedRun
+from ido_viz.core.actions import plain
+from ido_viz.core.background import CancelledError, Job, Report, in_turn
 from ido_viz.core.frame import Frame
 from ido_viz.core.run import Run
 from ido_viz.core.state import State, encode
+from ido_viz.core.turns import Turns
 from ido_viz.files.animation_gif import animation_gif
 from ido_viz.files.animation_html import animation_html
 from ido_viz.files.chart_archive import charts_zip
 
+_FILES = Turns(1)
 _log = logging.getLogger(__name__)
 
 COLUMNS = (
@@ -44,13 +52,13 @@ class Export:
         label: of its button.
         hint: of its button.
         ending: of the file's name.
-        make: the file's content.
+        make: the file's content; the report is told how far it is, and what it raises ends it.
     """
 
     label: str
     hint: str
     ending: str
-    make: Callable[[Frame], bytes]
+    make: Callable[[Frame, Report], bytes]
 
 
 def recorded(run: Run, state: State) -> RecordedRun:
@@ -95,22 +103,39 @@ def curves_csv(run: Run) -> str:
 
 
 EXPORTS = (
-    Export("Run (.npz)", "Points, poses, histograms, updates and settings; ido.load_run reads them.", ".npz", run_npz),
+    Export(
+        "Run (.npz)",
+        "Points, poses, histograms, updates and settings; ido.load_run reads them.",
+        ".npz",
+        lambda frame, _: run_npz(frame),
+    ),
     Export(
         "Curves (.csv)",
         "Scores and update norms of both methods at every iteration.",
         ".csv",
-        lambda frame: curves_csv(frame.run).encode(),
+        lambda frame, _: curves_csv(frame.run).encode(),
     ),
-    Export("Animation (.html)", "Both methods in one file that opens in any browser.", ".html", animation_html),
+    Export(
+        "Animation (.html)",
+        "Both methods in one file that opens in any browser.",
+        ".html",
+        lambda frame, _: animation_html(frame),
+    ),
     Export("Animation (.gif)", "Both methods as a moving picture for slides.", ".gif", animation_gif),
-    Export("Charts (.zip)", "Histograms, maps and curves for a paper, as SVG and PNG.", ".zip", charts_zip),
+    Export(
+        "Charts (.zip)",
+        "Histograms, maps and curves for a paper, as SVG and PNG.",
+        ".zip",
+        lambda frame, _: charts_zip(frame),
+    ),
 )
 """What the page offers."""
 
 
 class DownloadFolder:
     """A folder of buttons in a page's controls; each sends the browser one file of what is shown.
+
+    Files take long to make, so those of all pages are made one after the other, and a page has one at a time.
 
     Args:
         client: the page.
@@ -120,13 +145,26 @@ class DownloadFolder:
     def __init__(self, client: viser.ClientHandle, shown: Callable[[], Frame | None]) -> None:
         self._client = client
         self._shown = shown
+        self._lock = threading.Lock()
+        self._job: Job[None] | None = None
         self.folder = client.gui.add_folder("Download")
         with self.folder:
             for export in EXPORTS:
                 button = client.gui.add_button(export.label, icon=viser.Icon.DOWNLOAD, color="gray", hint=export.hint)
-                button.on_click(lambda event, export=export: self._send(event.target, export))
+                button.on_click(lambda _, export=export: self._begin(export))
+            self._progress = client.gui.add_html("")
+            self._cancel = client.gui.add_button(
+                "Cancel the file", color="gray", visible=False, hint="Give up the file that is made or waited for."
+            )
+            self._cancel.on_click(plain(self.cancel))
 
-    def _send(self, button: viser.GuiButtonHandle, export: Export) -> None:
+    def cancel(self) -> None:
+        """Give up the file that is made or waited for."""
+        with self._lock:
+            if self._job is not None:
+                self._job.cancel()
+
+    def _begin(self, export: Export) -> None:
         frame = self._shown()
         if frame is None:
             self._tell("Nothing to download yet", "Wait until the page shows a run.")
@@ -135,18 +173,50 @@ class DownloadFolder:
         if waiting:
             self._tell("Nothing to download yet", "; ".join(waiting))
             return
-        button.disabled = True
+        with self._lock:
+            if self._job is not None and not self._job.ended:
+                self._tell("One file at a time", "Wait for the one that is made, or cancel it.")
+                return
+            self._job = Job(lambda report: self._send(export, frame, report), self._draw)
+        self._draw()
+
+    def _send(self, export: Export, frame: Frame, report: Report) -> None:
         try:
-            content = export.make(frame)
+            with in_turn(_FILES, report):
+                report("being made")
+                try:
+                    content = export.make(frame, report)
+                finally:
+                    _give_memory_back()
+            report("being sent")
             self._client.send_file_download(file_name(frame.state, export.ending), content, save_immediately=True)
+        except CancelledError:
+            raise
         except Exception as error:  # the page must outlive it, and the person hear of it
             _log.exception("export failed")
             self._tell("The file could not be made", f"{type(error).__name__}: {error}")
-        finally:
-            button.disabled = False
+
+    def _draw(self) -> None:
+        """Show how far the file is; called on its thread, too."""
+        with self._lock:  # or what was true before would be written after the end
+            job = self._job
+            text = ""
+            if job is not None and not job.ended:
+                text = f'<div style="margin:0 8px;font-size:0.75rem">The file is {job.progress}.</div>'
+            if self._progress.content != text:
+                self._progress.content = text
+            if self._cancel.visible != bool(text):
+                self._cancel.visible = bool(text)
 
     def _tell(self, title: str, body: str) -> None:
         self._client.add_notification(title, body, color="red", auto_close_seconds=8.0)
+
+
+def _give_memory_back() -> None:
+    """Return to the system what pictures took; GNU's C library would keep it, for each thread anew."""
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError, AttributeError):  # of another C library
+            ctypes.CDLL(None).malloc_trim(0)
 
 
 def file_name(state: State, ending: str) -> str:

@@ -44,7 +44,9 @@ class CompareTab:
         """Draw the rows that are there."""
         self._set_visible(comparison.running)
         rows = sorted(comparison.rows, key=SORTS[self._sort.value])
-        head = head_html(len(rows), len(comparison.methods), comparison.running, comparison.fits(state))
+        head = head_html(
+            len(rows), len(comparison.methods), comparison.running, comparison.fits(state), comparison.waiting
+        )
         if self._head.content != head:
             self._head.content = head
         labels = tuple(map(label, rows))
@@ -92,11 +94,13 @@ _STYLE = (  # the rows of a table, out of buttons
 )
 
 
-def head_html(done: int, total: int, running: bool, fits: bool) -> str:
-    """What the table is of, and the heads of its columns."""
+def head_html(done: int, total: int, running: bool, fits: bool, waiting: str = "") -> str:
+    """What the table is of, whether it waits for others' work, and the heads of its columns."""
     if total == 0:
         return '<div style="margin:0 8px;font-size:0.75rem">Every method and setting on the scene that is shown.</div>'
     text = f"{done} of {total} methods" + ("…" if running else ", then cancelled" if done < total else "")
+    if waiting:
+        text += f" {waiting}"
     if not fits:
         text += ". The scene has changed since: compare again."
     return (

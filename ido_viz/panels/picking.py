@@ -7,13 +7,7 @@ from dataclasses import dataclass
 
 import viser
 
-FIELD = "Picked bin"
-"""Label of the field through which `ido_viz/serving/page.js` tells of a click."""
-
-# Beside a field that nobody sees, and that the keyboard passes by; it must be in the page for the script to find it.
-_STYLE = """<style>
-div:has(> .ido-picking) + div, div:has(> div > .ido-picking) + div { display: none; }
-</style><span class="ido-picking"></span>"""
+from ido_viz.panels.from_browser import PICKED, unseen_field
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,23 +26,20 @@ class Click:
     place: float
 
 
-class Picking:
-    """The way from a click in the browser to the server.
+def add_picking(gui: viser.GuiApi, picked: Callable[[Click], None]) -> None:
+    """Have a page tell where a person clicks.
 
     Args:
         gui: whose page it is.
-        picked: called with where a person clicked.
+        picked: called with it.
     """
 
-    def __init__(self, gui: viser.GuiApi, picked: Callable[[Click], None]) -> None:
-        gui.add_html(_STYLE)
-        self._field = gui.add_text(FIELD, "", hint="The script of the page writes here what was clicked.")
-        self._field.on_update(lambda event: self._tell(event.target.value, picked) if event.client else None)
-
-    def _tell(self, text: str, picked: Callable[[Click], None]) -> None:
+    def tell(text: str) -> None:
         click = read_click(text)
         if click is not None:
             picked(click)
+
+    unseen_field(gui, PICKED, tell)
 
 
 def read_click(text: str) -> Click | None:

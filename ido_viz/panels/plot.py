@@ -1,12 +1,13 @@
-"""A live chart, and the axes that charts share."""
+"""A live chart, of which what changes is sent, and the axes that charts share."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import viser
 
-from ido.types import DoubleArray
+from ido.types import DoubleArray, FloatArray
 from ido_viz.core import palette
 from ido_viz.core.state import State
 
@@ -14,19 +15,24 @@ _MOST_POWERS = 4  # of ten, that are all marked along an axis
 
 
 class Plot:
-    """A chart whose style is set whole: a new style makes a new chart in the same place, new data only moves it."""
+    """A chart whose style is set whole: a new style makes a new chart in the same place, new data only moves it.
+
+    Of new data, what differs from those that the chart was made with is sent; see `changed`.
+    """
 
     def __init__(self, gui: viser.GuiApi, height: int) -> None:
         self._gui = gui
         self.height = height
         self._folder = gui.add_folder(None)
         self._chart: viser.GuiUplotHandle | None = None
+        self._made: tuple[DoubleArray, ...] = ()
 
     def restyle(
         self, data: tuple[DoubleArray, ...], series: list[Any], scales: dict[str, Any], axes: list[Any]
     ) -> None:
         """Draw with a new style."""
         old = self._chart
+        self._made = data
         with self._folder:
             self._chart = self._gui.add_uplot(
                 data,
@@ -44,7 +50,30 @@ class Plot:
     def draw(self, data: tuple[DoubleArray, ...]) -> None:
         """Draw new data in the style that was set."""
         assert self._chart is not None
-        self._chart.data = data
+        # not as its data: these belong to the message that makes it, which may not have been sent yet
+        self._chart._queue_update("data", changed(self._made, data))
+
+
+def changed(made: tuple[DoubleArray, ...], data: tuple[DoubleArray, ...]) -> tuple[FloatArray, ...]:
+    """What `ido_viz/serving/charts.js` needs to put new data together; the data themselves where the lengths differ.
+
+    Args:
+        made: what the chart was made with: columns, each of shape (n,).
+        data: the new columns.
+
+    Returns:
+        A head: NaN, then the first place of what differs of each column; and for each column that part, in
+        single precision.
+    """
+    if [len(column) for column in made] != [len(column) for column in data]:
+        return data
+    head, parts = [np.nan], []
+    for old, new in zip(made, data, strict=True):
+        places = np.flatnonzero(old.view(np.int64) != new.view(np.int64))  # NaN is equal to NaN
+        start, end = (int(places[0]), int(places[-1]) + 1) if len(places) else (0, 0)
+        head.append(start)
+        parts.append(new[start:end].astype(np.float32))
+    return (np.array(head), *parts)
 
 
 def dots(label: str, color: str, *, size: int, edge: str = "") -> dict[str, Any]:

@@ -2,7 +2,7 @@
 //
 // It stands before viser's own script, which knows nothing of it. Every connection that viser makes tells the server the
 // fragment, in its own address; so a page that is opened, loaded again, or found by a server that was started anew is
-// what its address says. The server writes what the page came to show into an invisible element, and from there it goes
+// what its address says. Each page has a name, by which a server that still runs gives back what it had computed. The server writes what the page came to show into an invisible element, and from there it goes
 // back into the address. Another fragment, typed or pasted, is a new connection. While there is none, a banner says so.
 (() => {
   const LONGEST = 2000; // characters; the server says that it is too long when there is one more
@@ -21,23 +21,42 @@
 
   const show = () => history.replaceState(null, "", fragment ? `${page}#${fragment}` : page);
 
+  // By this name the server knows a page that comes back, and what it could undo; another tab has another.
+  function name() {
+    try {
+      return (sessionStorage.ido ??= drawn());
+    } catch {
+      return ""; // a frame that may store nothing
+    }
+  }
+
+  const drawn = () => Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16)).join("-");
+
   function server() {
     const url = new URL(page, location.origin.replace(/^http/, "ws"));
+    url.searchParams.set("page", name());
+    url.searchParams.set("path", location.pathname);
     url.searchParams.set("fragment", fragment.slice(0, LONGEST + 1));
     if (matchMedia("(prefers-color-scheme: dark)").matches) url.searchParams.set("dark", "yes");
     return url.href;
   }
 
-  // viser pales the panels while its server is away, but does not say so.
+  // viser pales the panels while its server is away, or has no room, but does not say so.
+  const AWAY = "The explorer is not running. This page goes on by itself when it runs again.";
+  const FULL = "The explorer is full. This page goes on by itself when somebody closes theirs.";
   const banner = document.createElement("div");
   banner.setAttribute("role", "status");
-  banner.textContent = "The explorer is not running. This page goes on by itself when it runs again.";
+  banner.textContent = AWAY;
   banner.style.cssText =
     "position:fixed;top:12px;left:50%;transform:translateX(-50%);z-index:1000;padding:8px 16px;border-radius:4px;" +
     "background:#c92a2a;color:#fff;font:0.875rem sans-serif";
 
   function tell(what) {
-    if (what === "closed") document.body.append(banner);
+    if (what === "closed") {
+      document.body.append(banner);
+      const asked = fetch(page, { cache: "no-store" });
+      asked.then(({ status }) => (banner.textContent = status === 503 ? FULL : AWAY)).catch(() => {});
+    }
     if (what === "connected") banner.remove();
   }
 

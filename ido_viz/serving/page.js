@@ -1,4 +1,5 @@
-// What viser's page does not do by itself: sliders with names, keys after a menu was used, and clicks into pictures.
+// What viser's page does not do by itself: sliders with names, keys after a menu was used, telling which tabs are open,
+// and clicks into pictures.
 (() => {
   // A slider's thumb has no accessible name; it gets that of its row.
   function nameSliders() {
@@ -18,26 +19,43 @@
     }, 300);
   }).observe(document, { subtree: true, childList: true });
 
+  // What the page tells the server goes through text fields, the one thing that a page of viser can write into; people
+  // do not see them.
+  function field(name) {
+    const label = [...document.querySelectorAll("label")].find((each) => each.textContent === name);
+    return label?.closest(".mantine-Flex-root")?.querySelector("input");
+  }
+
+  function write(input, text) {
+    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(input, text);
+    input.dispatchEvent(new Event("input", { bubbles: true }));
+  }
+
+  // The server draws the charts of the tabs that are open, and no others. A page that connects anew has an empty field.
+  let telling = null;
+  let told = null;
+  function tellTabs() {
+    telling = null;
+    const tabs = [...document.querySelectorAll("[role=tab][aria-selected=true]")];
+    const open = tabs.map((tab) => tab.textContent.trim()).join();
+    if (!told?.isConnected) told = field("Open tabs");
+    if (told && open && told.value !== open) write(told, open);
+  }
+  new MutationObserver(() => {
+    telling ??= setTimeout(tellTabs, 30);
+  }).observe(document, { subtree: true, childList: true, attributes: true, attributeFilter: ["aria-selected"] });
+
   // A menu keeps the focus once something was chosen, and letter keys, which are the page's, would go on into it.
   addEventListener("click", (event) => {
     if (event.target.closest?.("[role=option]")) setTimeout(() => document.activeElement?.blur(), 50);
   });
 
-  // A click into a heatmap, a histogram or a list of bins picks a bin. It is told to the server through a text field,
-  // the one thing that a page of viser can write into; people do not see it.
-  const FIELD = "Picked bin";
+  // A click into a heatmap, a histogram or a list of bins picks a bin.
   let picks = 0;
 
-  function field() {
-    const label = [...document.querySelectorAll("label")].find((each) => each.textContent === FIELD);
-    return label?.closest(".mantine-Flex-root")?.querySelector("input");
-  }
-
   function tell(text) {
-    const input = field();
-    if (!input) return;
-    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(input, `${text} ${++picks}`);
-    input.dispatchEvent(new Event("input", { bubbles: true }));
+    const input = field("Picked bin");
+    if (input) write(input, `${text} ${++picks}`);
   }
 
   // Where in a picture a click was, from 0 at its left edge to 1.

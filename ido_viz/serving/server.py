@@ -3,7 +3,8 @@
 viser makes its web server in one call of `websockets.asyncio.server.serve`, and that call is all we change: while a
 viser server is made, ours stands in its place. It hands on everything, with a socket that listens already, looks at
 each request before viser sees it, remembers it for `current_request`, bounds what browsers send, and serves viser's
-page with two scripts in it: `address.js` for the address, and `page.js` for what viser's page lacks.
+page with scripts in it: `charts.js` for the data of charts, `address.js` for the address, and `page.js` for what
+viser's page lacks.
 """
 
 from __future__ import annotations
@@ -25,11 +26,15 @@ import viser
 import websockets.asyncio.server
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
+from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from ido_viz.serving.guests import Guests
+from ido_viz.serving.room import Room
 from ido_viz.serving.traffic import LARGEST, BoundedConnection
 
+_PAGES = ("/", "/index.html")
+_SCRIPTS = ("charts.js", "address.js", "page.js")
 _REQUEST: ContextVar[Request] = ContextVar("request")
 _one_at_a_time = threading.Lock()
 
@@ -42,19 +47,20 @@ def current_request() -> Request:
     return _REQUEST.get()
 
 
-def start(listener: socket.socket, guests: Guests, label: str) -> viser.ViserServer:
+def start(listener: socket.socket, guests: Guests, room: Room, label: str) -> viser.ViserServer:
     """A viser server on a socket that listens.
 
     Args:
         listener: taken over, and closed when the server stops.
         guests: who is answered.
+        room: how many at once.
         label: of its panel.
 
     Raises:
         RuntimeError: this version of viser makes its server in another way.
     """
     host, port = listener.getsockname()[:2]
-    with _our_door(listener, guests) as passed:
+    with _our_door(listener, guests, room) as passed:
         server = viser.ViserServer(host=host, port=port, label=label, verbose=False)
     if not passed.is_set():
         server.stop()
@@ -62,8 +68,13 @@ def start(listener: socket.socket, guests: Guests, label: str) -> viser.ViserSer
     return server
 
 
+def leave_quietly(client: viser.ClientHandle) -> None:
+    """Have what is still drawn for a page that was closed meanwhile thrown away without a warning."""
+    client._websock_connection.get_message_buffer()._warned_push_after_done = True  # viser warns once, and has now
+
+
 @contextlib.contextmanager
-def _our_door(listener: socket.socket, guests: Guests) -> Iterator[threading.Event]:
+def _our_door(listener: socket.socket, guests: Guests, room: Room) -> Iterator[threading.Event]:
     """While it lasts, a viser server that is made is served by us; the event says that one was."""
     passed = threading.Event()
     original = websockets.asyncio.server.serve
@@ -77,15 +88,25 @@ def _our_door(listener: socket.socket, guests: Guests) -> Iterator[threading.Eve
         async def handle(connection: ServerConnection) -> None:
             assert connection.request is not None
             _REQUEST.set(connection.request)
-            await handler(connection)
+            if room.is_full:  # others came in the meantime
+                await connection.close(CloseCode.TRY_AGAIN_LATER, "full")
+                return
+            room.taken += 1
+            try:
+                await handler(connection)
+            finally:
+                room.taken -= 1
 
         def answer(connection: ServerConnection, request: Request) -> Response | None:
             refused = guests.refusal(request)
             if refused is not None:
                 return connection.respond(http.HTTPStatus.FORBIDDEN, refused + "\n")
-            if request.headers.get("Upgrade", "").lower() == "websocket":
+            is_socket = request.headers.get("Upgrade", "").lower() == "websocket"
+            if room.is_full and (is_socket or urlsplit(request.path).path in _PAGES):
+                return _full(room)
+            if is_socket:
                 return None
-            if urlsplit(request.path).path in ("/", "/index.html"):
+            if urlsplit(request.path).path in _PAGES:
                 return _page(request)
             return serve_file(connection, request)
 
@@ -105,6 +126,15 @@ def _our_door(listener: socket.socket, guests: Guests) -> Iterator[threading.Eve
             websockets.asyncio.server.serve = original
 
 
+def _full(room: Room) -> Response:
+    """What is answered when there is no room."""
+    body = room.page.encode()
+    headers = Headers(
+        {"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(body)), "Retry-After": "10"}
+    )
+    return Response(http.HTTPStatus.SERVICE_UNAVAILABLE, "Full", headers, body)
+
+
 def _page(request: Request) -> Response:
     """The page, packed if the browser takes that."""
     packs = "gzip" in request.headers.get("Accept-Encoding", "")
@@ -121,6 +151,6 @@ def _packed_page() -> bytes:
     before, head, after = (
         (Path(viser.__file__).parent / "client/build/index.html").read_text("utf-8").partition("<head>")
     )
-    scripts = ((Path(__file__).parent / name).read_text("utf-8") for name in ("address.js", "page.js"))
+    scripts = ((Path(__file__).parent / name).read_text("utf-8") for name in _SCRIPTS)
     ours = "".join(f"<script>{script}</script>" for script in scripts)
     return gzip.compress(f"{before}{head}{ours}{after}".encode())

@@ -130,6 +130,9 @@ class PageOfTab:
         self.tab = tab
         tab.widgets, tab.actions = state, actions
 
+    def close(self) -> None:
+        pass
+
     def read(self, state: State) -> tuple[State, bool]:
         if self.fail_reading:
             raise RuntimeError("the widget is broken")

@@ -6,6 +6,7 @@ import errno
 import inspect
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -271,6 +272,52 @@ def test_an_interrupted_training_saves_the_finished_maps_and_says_so(
     maps = Maps.load(output)
     assert not maps.complete
     np.testing.assert_array_equal(maps.maps, Maps.load(folder / "maps.npz").maps[:2])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are not those of Windows")
+def test_a_training_that_is_told_to_end_saves_the_finished_maps(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    def told(*args: Any, progress: Any, **options: Any) -> Maps:
+        def at(done: int, error: float) -> None:
+            progress(done, error)
+            if done == 3:
+                os.kill(os.getpid(), signal.SIGTERM)
+
+        return train(*args, progress=at, **options)
+
+    monkeypatch.setattr(cli, "train", told)
+    before = signal.getsignal(signal.SIGTERM)
+    output = tmp_path / "part.npz"
+    assert cli.main(["train", str(folder / "cloud.ply"), "-o", str(output), *TRAINING]) == 130
+    assert "only 3 of 6 maps were trained" in capfd.readouterr().err
+    assert len(Maps.load(output).maps) == 3
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_a_disk_that_is_full_at_the_end_loses_no_training(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    (tmp_path / "full").mkdir()
+    (tmp_path / "home").mkdir()
+    (tmp_path / "here").mkdir()
+    save = Maps.save
+
+    def saved(maps: Maps, path: Path) -> None:
+        if path.parent.name in ("full", "here"):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        save(maps, path)
+
+    monkeypatch.setattr(Maps, "save", saved)
+    monkeypatch.setattr(Path, "home", lambda: tmp_path / "home")
+    monkeypatch.chdir(tmp_path / "here")
+    output = tmp_path / "full" / "bunny.npz"
+    assert cli.main(["train", str(folder / "cloud.ply"), "-o", str(output), *TRAINING]) == 2
+    said = capfd.readouterr().err
+    (place,) = (tmp_path / "home").iterdir()
+    assert f"{output}: No space left on device" in said
+    assert f"written to {place}" in said
+    np.testing.assert_array_equal(Maps.load(place).maps, Maps.load(folder / "maps.npz").maps)
 
 
 def test_interrupted_before_the_first_map_nothing_is_written(

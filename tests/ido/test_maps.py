@@ -32,11 +32,11 @@ def saved(small_maps: Maps, tmp_path: Path) -> Path:
 
 
 def rewrite(path: Path, change: Callable[[Arrays], Any], header: dict[str, Any] | None = None) -> Path:
-    """A copy of a maps file with changed arrays or header entries."""
+    """A copy of a maps file with changed arrays or header entries, without a checksum as older ones are."""
     with np.load(path) as file:
         arrays = dict(file)
-    if header:
-        arrays["header"] = np.array(json.dumps(json.loads(str(arrays["header"])) | header))
+    whole = json.loads(str(arrays["header"])) | (header or {})
+    arrays["header"] = np.array(json.dumps({name: value for name, value in whole.items() if name != "checksum"}))
     change(arrays)
     changed = path.with_name("changed.npz")
     np.savez(changed, **arrays)  # pyright: ignore[reportArgumentType] (its `allow_pickle` is no array)
@@ -121,6 +121,34 @@ def test_a_flipped_byte_is_noticed_or_harmless(small_maps: Maps, saved: Path):
         except MapsError:
             refused += 1
     assert refused > 40
+
+
+def test_a_file_without_a_checksum_is_read_as_before(small_maps: Maps, saved: Path):
+    assert_same(Maps.load(rewrite(saved, lambda arrays: None)), small_maps)
+
+
+def test_whatever_is_changed_of_the_header_or_the_numbers_is_noticed(saved: Path):
+    with np.load(saved) as file:
+        arrays = dict(file)
+    text, rng = str(arrays["header"]), np.random.default_rng(1)
+
+    def refused(**changed: np.ndarray) -> bool:
+        np.savez(saved, **{**arrays, **changed})  # pyright: ignore[reportArgumentType]
+        try:
+            Maps.load(saved)
+        except MapsError:
+            return True
+        return False
+
+    assert not refused()
+    for position in rng.integers(1, len(text) - 1, 80):
+        letter = chr(rng.integers(33, 127))
+        spoilt = text[:position] + letter + text[position + 1 :]
+        assert spoilt == text or refused(header=np.array(spoilt)), spoilt
+    for name in arrays.keys() - {"header"}:
+        other = arrays[name].copy()
+        other.reshape(-1)[rng.integers(other.size)] += 0.5
+        assert refused(**{name: other}), name
 
 
 def test_other_files_are_refused(tmp_path: Path):

@@ -72,6 +72,7 @@ def test_ctrl_c_before_the_address_is_printed_ends_it_quietly(loading: str):
         (("--host", "198.51.100.7"), "is not an address of this machine"),
         (("--allow-origin", "example.org"), "looks like https://example.org"),
         (("--state", "ido1-damaged"), "damaged"),
+        (("--sessions", "0"), "at least 1"),
     ],
 )
 def test_what_cannot_be_used_is_said_at_once(

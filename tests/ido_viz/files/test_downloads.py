@@ -11,6 +11,8 @@ import csv
 import io
 import json
 import re
+import threading
+import time
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -30,15 +32,18 @@ from scipy.spatial.transform import Rotation
 from ido import Perturbation, poses
 from ido.methods import BASELINES
 from ido.recording import load_run
+from ido_viz.core.background import Report
 from ido_viz.core.frame import Frame, frame_of
 from ido_viz.core.library import shipped_library
 from ido_viz.core.pacing import Pacing
 from ido_viz.core.run import Run, compute, make_scene, register_side, waiting_side
 from ido_viz.core.state import State, decode
 from ido_viz.files import animation_html as animation
+from ido_viz.files import downloads
 from ido_viz.files.animation_html import MOST_FRAMES, animation_html
 from ido_viz.files.downloads import COLUMNS, EXPORTS, DownloadFolder, curves_csv, file_name, recorded, run_npz
 
+PATIENCE = 30.0  # seconds; only a failing test waits that long
 LIBRARY = shipped_library()
 SMALL = Perturbation(points=120, outliers=40, rotation=40.0, seed=3)
 STATES = {
@@ -284,7 +289,7 @@ class Button:
     """Stands for a button of the page."""
 
     label: str
-    disabled: bool = False
+    visible: bool = False
     clicked: Callable[[Any], None] = print
 
     def on_click(self, clicked: Callable[[Any], None]) -> None:
@@ -304,27 +309,41 @@ class Page:
     notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.progress = SimpleNamespace(content="")
         self.gui = SimpleNamespace(
-            add_folder=lambda *_, **__: contextlib.nullcontext(), add_button=lambda label, **_: self._add(label)
+            add_folder=lambda *_, **__: contextlib.nullcontext(),
+            add_button=lambda label, **_: self._add(label),
+            add_html=lambda _: self.progress,
         )
-        DownloadFolder(cast(viser.ClientHandle, self), lambda: self.shown())
+        self.folder = DownloadFolder(cast(viser.ClientHandle, self), lambda: self.shown())
+        self.cancel = self.buttons.pop()
 
     def _add(self, label: str) -> Button:
         self.buttons.append(Button(label))
         return self.buttons[-1]
 
     def send_file_download(self, name: str, content: bytes, **_: object) -> None:
-        assert sum(button.disabled for button in self.buttons) == 1
         self.files[name] = content
 
     def add_notification(self, title: str, body: str, **_: object) -> None:
         self.notes.append(f"{title}: {body}")
 
+    def press(self, number: int) -> None:
+        """Press a button, and wait until nothing is made any more."""
+        self.buttons[number].click()
+        self.wait("the end", lambda: not self.progress.content)
+
+    def wait(self, what: str, until: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not until():
+            assert time.monotonic() < deadline, f"waited in vain for {what}: {self.progress.content}"
+            time.sleep(0.005)
+
 
 def test_each_button_sends_its_file(run: Run, state: State):
     page = Page(lambda: frame_of(run, state))
-    for button in page.buttons:
-        button.click()
+    for number in range(len(EXPORTS)):
+        page.press(number)
     endings = [".npz", ".csv", ".html", ".gif", ".zip"]
     assert [button.label.split()[-1].strip("()") for button in page.buttons] == endings
     assert list(page.files) == [f"ido-bunny-3{ending}" for ending in endings]
@@ -335,13 +354,13 @@ def test_each_button_sends_its_file(run: Run, state: State):
     assert getattr(Image.open(io.BytesIO(gif)), "n_frames", 1) > run.iterations
     assert {"curves.svg", "README.txt"} <= set(zipfile.ZipFile(io.BytesIO(charts)).namelist())
     assert page.notes == []
-    assert not any(button.disabled for button in page.buttons)
+    assert not page.cancel.visible
 
 
 def test_what_is_shown_at_the_click_is_sent(run: Run, state: State):
     page = Page(lambda: frame_of(run, state))
     page.shown = lambda: frame_of(run, replace(state, perturbation=replace(SMALL, seed=77)))
-    page.buttons[1].click()
+    page.press(1)
     assert list(page.files) == ["ido-bunny-77.csv"]
 
 
@@ -350,7 +369,7 @@ def test_what_is_not_there_yet_is_not_sent(run: Run, state: State):
     scene = make_scene(selection.subject, state)
     waiting = waiting_side(selection.entries[1], selection, scene, "computing, iteration 12")
     page = Page(lambda: None)
-    page.buttons[0].click()
+    page.press(0)
     page.shown = lambda: frame_of(replace(run, sides=(run.sides[0], waiting)), state)
     for button in page.buttons:
         button.click()
@@ -362,12 +381,52 @@ def test_what_is_not_there_yet_is_not_sent(run: Run, state: State):
 def test_a_failure_is_told_and_the_button_works_again(run: Run, state: State):
     spoilt = replace(run, scene=replace(run.scene, points=run.scene.points * np.nan))
     page = Page(lambda: frame_of(spoilt, state))
-    page.buttons[0].click()
+    page.press(0)
     assert page.files == {}
     assert page.notes == ["The file could not be made: RunError: its rmse holds numbers that are not finite"]
     page.shown = lambda: frame_of(run, state)
-    page.buttons[0].click()
+    page.press(0)
     assert list(page.files) == ["ido-bunny-3.npz"]
+
+
+def test_files_are_made_one_after_the_other_one_for_a_page_and_can_be_cancelled(
+    run: Run, state: State, monkeypatch: pytest.MonkeyPatch
+):
+    go, made, at_once = threading.Event(), [], []
+
+    def make(frame: Frame, report: Report) -> bytes:
+        at_once.append(frame)
+        try:
+            assert len(at_once) == 1
+            while not go.wait(0.01):
+                report("held")
+        finally:
+            at_once.pop()
+        made.append(frame)
+        return b"whole"
+
+    export = replace(EXPORTS[0], make=make)
+    monkeypatch.setattr(downloads, "EXPORTS", (export,))
+    first, second, third = (Page(lambda: frame_of(run, state)) for _ in range(3))
+    first.buttons[0].click()
+    first.wait("its turn", lambda: "held" in first.progress.content)
+    first.buttons[0].click()
+    assert first.notes == ["One file at a time: Wait for the one that is made, or cancel it."]
+    second.buttons[0].click()
+    second.wait("the queue", lambda: "waiting, 1 before it" in second.progress.content)
+    third.buttons[0].click()
+    third.wait("the queue", lambda: "waiting, 2 before it" in third.progress.content)
+    assert second.cancel.visible
+    second.cancel.click()
+    second.wait("the end", lambda: not second.progress.content)
+    third.wait("a step forward", lambda: "waiting, 1 before it" in third.progress.content)
+    first.folder.cancel()  # as when the page is closed
+    first.wait("the end", lambda: not first.progress.content)
+    go.set()
+    third.wait("the file", lambda: bool(third.files) and not third.progress.content)
+    assert (first.files, second.files, len(made)) == ({}, {}, 1)
+    second.press(0)
+    assert list(second.files.values()) == [b"whole"]
 
 
 @pytest.mark.parametrize(

@@ -16,35 +16,21 @@ import msgspec
 import pytest
 import viser
 import websockets.asyncio.server
+from headless import CAMERA, PROTOCOL
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
-from websockets.typing import Subprotocol
 
 from ido_viz.app import App
 from ido_viz.core.state import State, encode
 from ido_viz.serving import server as serving
 from ido_viz.serving.guests import Guests
 from ido_viz.serving.listening import listen
+from ido_viz.serving.room import Room
 from ido_viz.serving.traffic import BURST, LARGEST, RATE, is_used
 from ido_viz.teach.lessons import lesson
 
-pytestmark = pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")  # these pages are left at once
 PATIENCE = 20.0  # seconds; only a failing test waits that long
-PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": (1.0, 0.0, 0.0, 0.0),
-    "position": (0.0, 0.0, 5.0),
-    "fov": 1.0,
-    "near": 0.01,
-    "far": 1000.0,
-    "image_height": 700,
-    "image_width": 1200,
-    "look_at": (0.0, 0.0, 0.0),
-    "up_direction": (0.0, 0.0, 1.0),
-}
-"""A browser's first message: with it, its page begins."""
 
 BEGIN = State(playing=False)
 
@@ -262,5 +248,5 @@ def test_a_viser_that_serves_in_another_way_is_not_let_run_without_our_door(monk
 
     monkeypatch.setattr(viser, "ViserServer", Otherwise)
     with listen("127.0.0.1", 0) as listener, pytest.raises(RuntimeError, match="does not serve as it is known to"):
-        serving.start(listener, Guests(), "IDO Explorer")
+        serving.start(listener, Guests(), Room(1), "IDO Explorer")
     assert stopped == [True]

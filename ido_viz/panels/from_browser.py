@@ -1,0 +1,31 @@
+"""What the script of the page tells the server, `ido_viz/serving/page.js`: through text fields that nobody sees."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import viser
+
+PICKED = "Picked bin"
+"""Label of the field that tells of a click."""
+
+OPEN_TABS = "Open tabs"
+"""Label of the field that tells which tabs are open."""
+
+# The keyboard passes the fields by, too; they must be in the page for the script to find them.
+_STYLE = """<style>
+div:has(> .ido-unseen) + div, div:has(> div > .ido-unseen) + div { display: none; }
+</style><span class="ido-unseen"></span>"""
+
+
+def unseen_field(gui: viser.GuiApi, label: str, told: Callable[[str], None]) -> None:
+    """A field into which the script writes.
+
+    Args:
+        gui: whose page it is.
+        label: by which the script finds it.
+        told: called with what is written there.
+    """
+    gui.add_html(_STYLE)
+    field = gui.add_text(label, "", hint="The script of the page writes here.")
+    field.on_update(lambda event: told(event.target.value) if event.client else None)

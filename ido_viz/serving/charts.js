@@ -1,0 +1,32 @@
+// A chart's new data come as what differs from those that it was made with (`changed` in `ido_viz/panels/plot.py`), and are
+// put together here before viser sees them. What differs from the data before would be shorter still, but viser's server
+// leaves out what a slow page has not taken yet.
+(() => {
+  const made = new Map(); // the columns of each chart
+
+  function whole(columns, [head, ...parts]) {
+    return columns.map((column, i) => {
+      const all = Float64Array.from(column);
+      all.set(parts[i], head[1 + i]);
+      return all;
+    });
+  }
+
+  function read({ data }) {
+    if (data.type === "connected") made.clear();
+    for (const message of data.messages ?? []) {
+      if (message.type === "GuiUplotMessage") made.set(message.uuid, message.props.data);
+      if (message.type === "GuiRemoveMessage") made.delete(message.uuid);
+      const columns = message.type === "GuiUpdateMessage" && made.get(message.uuid);
+      const sent = columns && message.updates.data;
+      if (sent && Number.isNaN(sent[0][0])) message.updates.data = whole(columns, sent);
+    }
+  }
+
+  window.Worker = class extends Worker {
+    constructor(...how) {
+      super(...how);
+      this.addEventListener("message", read); // the first of all that listen
+    }
+  };
+})();

@@ -1,0 +1,33 @@
+"""What is kept for a while."""
+
+from __future__ import annotations
+
+import time
+
+from ido_viz.core.kept import Kept
+
+PATIENCE = 10.0  # seconds; only a failing test waits that long
+
+
+def test_what_is_kept_is_given_back_once_and_not_dropped():
+    dropped: list[str] = []
+    kept = Kept[str](0.05, dropped.append)
+    kept.keep("a", "first")
+    kept.keep("b", "second")
+    assert (kept.take("a"), kept.take("a"), kept.take("c")) == ("first", None, None)
+    deadline = time.monotonic() + PATIENCE
+    while dropped != ["second"]:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert kept.take("b") is None
+
+
+def test_another_by_the_same_key_and_all_at_the_end_are_dropped():
+    dropped: list[str] = []
+    kept = Kept[str](60.0, dropped.append)
+    kept.keep("a", "first")
+    kept.keep("a", "second")
+    assert dropped == ["first"]
+    kept.clear()
+    assert dropped == ["first", "second"]
+    assert kept.take("a") is None

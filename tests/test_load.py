@@ -1,0 +1,33 @@
+"""A short run of the measurement of a class, see tests/load.py."""
+
+from __future__ import annotations
+
+import asyncio
+
+import load
+
+
+async def idle(server: load.Server) -> float:
+    """Seconds of the processor that five tabs took in one second, in which nobody did anything."""
+    tabs = await load.class_of(server, 5)
+    for tab in tabs:
+        await tab.set("Step", "Last")
+    await asyncio.sleep(1.0)
+    before = server.processor()
+    await asyncio.sleep(1.0)
+    took = server.processor() - before
+    for tab in tabs:
+        await tab.close()
+    return took
+
+
+def test_idle_tabs_cost_nothing():
+    with load.started() as server:
+        assert asyncio.run(idle(server)) < 0.1
+
+
+def test_every_tab_of_a_small_class_gets_its_frames_few_bytes_each_and_is_freed():
+    with load.started() as server:
+        (figures,) = asyncio.run(load.measure(server, (3,), 2.0, files=False))
+    assert figures.slowest >= 2
+    assert figures.bytes / figures.frames < 100_000  # whole charts alone would be twice that
