@@ -49,51 +49,92 @@ def train(
     Raises:
         KeyboardInterrupt: interrupted before the first map was finished.
     """
-    settings = settings or TrainingSettings()
-    scenes, x_true = training_scenes(cloud, settings)
-    x = np.zeros_like(x_true)
-    shown = np.random.default_rng(settings.seed).permutation(len(x))[:SHOWN_SAMPLES]
-    maps: list[FloatArray] = []
-    residuals = [x_true - x]
-    errors = [_errors(residuals[0])]
-    kept = [residuals[0][shown]]
+    learner = Learner(cloud, histogram, settings or TrainingSettings(), executor=executor)
     try:
-        for k in range(settings.maps):
+        for k in range(learner.settings.maps):
             if progress:
-                progress(k, errors[-1][0])
-            h = _histograms(histogram, scenes, x, executor)
-            D = solve(h, x - x_true, settings.ridge)
-            x = x - h @ D.T
-            errors.append(_errors(x_true - x))
-            kept.append((x_true - x)[shown])
-            maps.append(D)  # last: what counts is finished whenever an interrupt comes
-            if not errors[-1][0] < errors[-2][0]:
-                warnings.warn(f"the training error did not fall at map {k + 1} (Theorem 1)", stacklevel=2)
+                progress(k, learner.error)
+            learner.learn()
         if progress:
-            progress(settings.maps, errors[-1][0])
+            progress(learner.settings.maps, learner.error)
     except KeyboardInterrupt:
-        if not maps:
+        if learner.learned == 0:
             raise
-    n = len(maps) + 1
-    mean, deviation, translation, rotation = np.array(errors[:n]).T
-    return Maps(
-        maps=np.stack(maps),
-        histogram=histogram,
-        frame=cloud.frame,
-        settings=settings,
-        curves=TrainingCurves(mean, deviation, translation, rotation, np.stack(kept[:n]).astype(np.float32)),
-        version=importlib.metadata.version("ido-explorer"),
-    )
+    return learner.maps()
+
+
+class Learner:
+    """Learns map after map; `maps` gives those learned so far, so that learning can be watched.
+
+    Args:
+        cloud: what training scenes are drawn from.
+        histogram: the feature to learn on, with its model.
+        settings: how many scenes and maps, and of which kind.
+        scenes: as `training_scenes` draws them, where several learners share them; drawn unless given.
+        executor: shares the scenes out.
+    """
+
+    def __init__(
+        self,
+        cloud: Cloud,
+        histogram: Histogram,
+        settings: TrainingSettings,
+        *,
+        scenes: tuple[SceneBatch, FloatArray] | None = None,
+        executor: Executor | None = None,
+    ) -> None:
+        self.settings = settings
+        self._histogram, self._frame, self._executor = histogram, cloud.frame, executor
+        self._scenes, self._x_true = scenes or training_scenes(cloud, settings)
+        self._x = np.zeros_like(self._x_true)
+        self._shown = np.random.default_rng(settings.seed).permutation(len(self._x))[:SHOWN_SAMPLES]
+        self._maps: list[FloatArray] = []
+        self._errors = [_errors(self._x_true)]
+        self._kept = [self._x_true[self._shown]]
+
+    @property
+    def learned(self) -> int:
+        """Number of maps so far."""
+        return len(self._maps)
+
+    @property
+    def error(self) -> float:
+        """The mean training error ‖x* - x_k‖² after the maps so far."""
+        return self._errors[self.learned][0]
+
+    def learn(self) -> None:
+        """Learn the next map (docs/method.md, Eq. 13 and 14). Warns when the training error did not fall."""
+        h = _histograms(self._histogram, self._scenes, self._x, self._executor)
+        D = solve(h, self._x - self._x_true, self.settings.ridge)
+        self._x = self._x - h @ D.T
+        self._errors.append(_errors(self._x_true - self._x))
+        self._kept.append((self._x_true - self._x)[self._shown])
+        self._maps.append(D)  # last: what counts is finished whenever an interrupt comes
+        if not self._errors[-1][0] < self._errors[-2][0]:
+            warnings.warn(f"the training error did not fall at map {self.learned} (Theorem 1)", stacklevel=3)
+
+    def maps(self) -> Maps:
+        """The maps so far, at least one."""
+        n = self.learned + 1
+        mean, deviation, translation, rotation = np.array(self._errors[:n]).T
+        return Maps(
+            maps=np.stack(self._maps),
+            histogram=self._histogram,
+            frame=self._frame,
+            settings=self.settings,
+            curves=TrainingCurves(mean, deviation, translation, rotation, np.stack(self._kept[:n]).astype(np.float32)),
+            version=importlib.metadata.version("ido-explorer"),
+        )
 
 
 def training_scenes(cloud: Cloud, settings: TrainingSettings) -> tuple[SceneBatch, FloatArray]:
-    """The training scenes and their true x* (N, 6): every perturbation uniform in the paper's training range.
+    """The training scenes and their true x* (N, 6): every perturbation uniform in the settings' training range.
 
     docs/method.md, Eq. 4.
     """
     rng = np.random.default_rng(settings.seed)
     names = sorted(RANGES, key=lambda name: RANGES[name].stream)  # their order decides the draws
-    low, high = np.array([RANGES[name].train for name in names]).T
+    low, high = np.array([settings.ranges[name] for name in names]).T
     draws = rng.uniform(low, high, (settings.samples, len(names)))
     seeds = rng.integers(0, 2**32, settings.samples)
     scenes = []
