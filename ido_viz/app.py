@@ -7,6 +7,7 @@ import socket
 import threading
 from collections.abc import Collection
 from dataclasses import replace
+from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 import viser
@@ -16,6 +17,8 @@ from ido.console import hush
 from ido_viz.core.address import read_fragment
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
+from ido_viz.own.draft import Draft
+from ido_viz.own.workshop import Workshop
 from ido_viz.serving.guests import Guests, read_origins
 from ido_viz.serving.listening import authority, is_open, listen
 from ido_viz.serving.server import current_request, start
@@ -37,6 +40,8 @@ class App:
         port: port to listen on; 0 for any free one, None for the first free one from 8080 on.
         token: whether an address that other machines can open has a token, without which nobody is answered.
         origins: from where else a page of ours may come, as ``https://example.org`` of a proxy.
+        data: folder where people's own clouds are kept; None for pages without them.
+        draft: a cloud of one's own that pages begin with, to be trained on there.
 
     Raises:
         StateError: the state's shape or methods are not in the library.
@@ -54,8 +59,13 @@ class App:
         port: int | None = None,
         token: bool = True,
         origins: Collection[str] = (),
+        data: Path | None = None,
+        draft: Draft | None = None,
     ) -> None:
         self._library = library or shipped_library()
+        self._workshop = None if data is None else Workshop(self._library, data, draft)
+        if self._workshop is not None:
+            self._library = self._workshop.library
         self._state = self._library.checked(state or State())
         for load in (lessons, presets, derivations):
             load()  # a mistake in one is said here, not when a tab is opened
@@ -94,13 +104,15 @@ class App:
             self._sessions.clear()
         for session in sessions:
             session.close()
+        if self._workshop is not None:
+            self._workshop.close()
         with hush():
             self.server.stop()
 
     async def _open(self, client: viser.ClientHandle) -> None:
         request = current_request()
         state, step, complaint = self._asked(request)
-        session = Session(client, self._library, state, self._shown_address(request), step)
+        session = Session(client, self._library, state, self._shown_address(request), step, self._workshop)
         with self._lock:
             if client.client_id not in self.server.get_clients():  # gone again already
                 return

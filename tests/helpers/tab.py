@@ -19,6 +19,7 @@ from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library, Subject, shipped_library
 from ido_viz.core.run import Run, make_scene
 from ido_viz.core.state import State
+from ido_viz.own.workshop import Workshop
 from ido_viz.session import Session
 
 PATIENCE = 40.0  # seconds; only a failing test waits that long
@@ -126,9 +127,14 @@ class PageOfTab:
 
     fail_reading = False
 
-    def __init__(self, tab: Tab, library: Library, state: State, actions: Actions, step: str) -> None:
+    def __init__(
+        self, tab: Tab, library: Library, state: State, actions: Actions, step: str, workshop: Workshop | None
+    ) -> None:
         self.tab = tab
         tab.widgets, tab.actions = state, actions
+
+    def close(self) -> None:
+        pass
 
     def read(self, state: State) -> tuple[State, bool]:
         if self.fail_reading:
