@@ -93,6 +93,11 @@ class App:
         return self._address + self._query
 
     @property
+    def unreadable(self) -> tuple[str, ...]:
+        """Kept clouds that cannot be read, and why."""
+        return () if self._workshop is None else tuple(self._workshop.shelf.unreadable)
+
+    @property
     def n_sessions(self) -> int:
         """How many tabs are open."""
         return len(self._sessions)

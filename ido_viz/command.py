@@ -99,6 +99,8 @@ def run() -> int:
         print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)
         if app.is_open:
             note(f"[yellow]{OPEN_WITH_TOKEN if options.token else OPEN_TO_ALL}[/]")
+        for text in app.unreadable:
+            note(f"[yellow]this kept cloud cannot be read: {escape(text)}[/]")
         # compiles on the very first start, and loads clouds and maps, while the browser loads the page
         threading.Thread(target=warm_up, args=(state, library), daemon=True).start()
         if options.open:

@@ -46,20 +46,19 @@ class DraftFolder:
         self._text = gui.add_html(caption(_NOTHING.format(limit=MOST_UPLOAD >> 20)))
         self._folder = gui.add_folder(None, visible=False)
         with self._folder:
-            self._name = gui.add_text("Name", "", hint=f"As it is listed and shared; at most {LONGEST_NAME} letters.")
-            self._unit: viser.GuiDropdownHandle[str] = gui.add_dropdown(
-                "Unit", UNITS, hint="What lengths are in. Files do not say."
-            )
-            self._side = gui.add_text(
-                "Longest side", "", hint="In the unit. Another number scales the whole cloud, as scans of it must be."
-            )
-            self._up = gui.add_dropdown("Up", tuple(UPS), hint="Which of its axes is up in the pictures.")
-            self._facing = gui.add_dropdown(
-                "Normals", get_args(Facing), hint="Where they point to. It changes the pictures, and no result."
-            )
             self._preview_box = gui.add_checkbox(
                 "Preview", True, hint="Show the cloud, the model points and their normals instead of the panes."
             )
+            with gui.add_folder("Name, size, up and normals", expand_by_default=False):
+                self._name = gui.add_text("Name", "", hint=f"As it is listed; at most {LONGEST_NAME} letters.")
+                self._unit: Any = gui.add_dropdown("Unit", UNITS, hint="What lengths are in. Files do not say.")
+                self._side = gui.add_text(
+                    "Longest side", "", hint="In the unit. Another number scales the whole cloud, as scans must be."
+                )
+                self._up = gui.add_dropdown("Up", tuple(UPS), hint="Which of its axes is up in the pictures.")
+                self._facing = gui.add_dropdown(
+                    "Normals", get_args(Facing), hint="Where they point to. It changes the pictures, and no result."
+                )
         for handle in (self._name, self._unit, self._side, self._up, self._facing):
             handle.on_update(lambda event: self._take() if event.client else None)
         self._preview_box.on_update(lambda event: self._show() if event.client else None)
@@ -162,7 +161,8 @@ def draft_html(draft: Draft) -> str:
     x, y, z = draft.size
     lines = [
         f"<b>{html.escape(draft.name)}</b>: {draft.read:,} points read, {len(draft.in_file.points):,} used",
-        f"{x:.4g} × {y:.4g} × {z:.4g} {draft.unit}; {len(draft.bare.points)} model points",
+        f"{x:.4g} × {y:.4g} × {z:.4g} {draft.unit}, {draft.up} up, {len(draft.bare.points)} model points, "
+        f"normals {draft.facing}",
         *(html.escape(note) for note in draft.notes),
     ]
     return caption("<br>".join(lines))

@@ -6,6 +6,7 @@ import html
 import logging
 import re
 from collections.abc import Callable
+from typing import Any
 
 import viser
 
@@ -34,9 +35,7 @@ class KeptFolder:
         gui = client.gui
         self._client, self._workshop, self._show = client, workshop, show
         with gui.add_folder("Kept clouds"):
-            self._choice: viser.GuiDropdownHandle[str] = gui.add_dropdown(
-                "Cloud", (_NONE,), hint="Those that were trained or imported here."
-            )
+            self._choice: Any = gui.add_dropdown("Cloud", (_NONE,), hint="Those that were trained or imported here.")
             ways = {"Show": self._show_chosen, "Download": self._download, "Delete": self._ask}
             self._ways = gui.add_button_group(
                 "Do", tuple(ways), hint="Show it in the panes, take it along as one file, or delete it for everybody."

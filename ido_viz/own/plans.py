@@ -109,15 +109,16 @@ def _rounded_down(number: float) -> int:
     return whole // step * step
 
 
-def time_left(times: Sequence[float], done: int, of: int) -> float:
-    """Seconds until the last map.
+def time_left(expected: float, times: Sequence[float], of: int) -> float:
+    """Seconds until the last map: each takes the mean of those so far, among which the expected one counts as one.
 
     Args:
-        times: when each map so far was there, and before them when learning began; seconds.
-        done: maps so far.
+        expected: seconds of the whole training.
+        times: when learning began, and when each map so far was there; seconds.
         of: maps in all.
     """
-    return (times[-1] - times[0]) / done * (of - done)
+    done = len(times) - 1
+    return (expected / of + times[-1] - times[0]) / (1 + done) * (of - done)
 
 
 def in_words(seconds: float) -> str:

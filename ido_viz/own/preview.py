@@ -17,6 +17,7 @@ from ido_viz.own.draft import UPS, Draft
 NORMAL_LENGTH = 0.09
 """Of the drawn normals, model units."""
 
+_LARGER = 1.5  # than in a pane, for it has the place of two
 _ROOT = "/own"
 _NO_CAPTIONS = "<style>.over-canvas { visibility: hidden; }</style>"
 
@@ -44,7 +45,9 @@ class Preview:
         ends = np.stack([model.points, model.points + np.float32(NORMAL_LENGTH) * model.normals], axis=1)
         colors = np.empty((len(ends), 2, 3), dtype=np.uint8)
         colors[:, 0], colors[:, 1] = palette.ink(self.dark), palette.method_color("Improved DO", self.dark)
-        self._scene.add_line_segments(f"{_ROOT}/normals", ends, colors, thickness=2.0, thickness_units="screen")
+        self._scene.add_line_segments(
+            f"{_ROOT}/normals", _LARGER * ends, colors, thickness=2.0, thickness_units="screen"
+        )
         self._points("model", model.points, palette.ink(self.dark), 0.02)
 
     def show_scan(self, subject: Subject, placed: FloatArray) -> None:
@@ -69,4 +72,4 @@ class Preview:
         self._show_panes(False)
 
     def _points(self, name: str, points: FloatArray, color: palette.Color, size: float) -> None:
-        self._scene.add_point_cloud(f"{_ROOT}/{name}", points, color, point_size=size, point_shape="circle")
+        self._scene.add_point_cloud(f"{_ROOT}/{name}", _LARGER * points, color, point_size=size, point_shape="circle")

@@ -99,12 +99,12 @@ class TrainFolder:
         return PLANS[self._plan.value].settings(self._draft.cost, self._rotation.value, self._translation.value)
 
     def _submit(self) -> None:
-        draft, settings = self._draft.draft, self._settings()
-        if draft is None or settings is None:
+        draft, settings, cost = self._draft.draft, self._settings(), self._draft.cost
+        if draft is None or settings is None or cost is None:
             return
         self._seen = False
         try:
-            self._job = self._workshop.train(draft, settings, self._client.client_id)
+            self._job = self._workshop.train(draft, settings, cost.seconds(settings), self._client.client_id)
         except (QueueError, ShelfError) as error:
             self._client.add_notification("No training now", str(error), color="red", auto_close_seconds=8.0)
         self.refresh()
@@ -164,7 +164,9 @@ def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool) ->
     done = job.history[-1].maps if job.history else 0
     if not done:
         return caption(f"{whose}: drawing scenes…{behind}")
-    left = time_left(job.times, done, job.maps)
+    if done == job.maps:
+        return caption(f"{whose}: all {done} maps are learned{behind}")
+    left = time_left(job.expected, job.times, job.maps)
     methods = " &nbsp; ".join(method_span(method, False) for method in TRAINED)
     return caption(
         f"{whose}: map {done} of {job.maps}, about <b>{in_words(left)}</b> left{behind}<br>"

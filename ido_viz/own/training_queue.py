@@ -31,7 +31,9 @@ class Job:
     Args:
         title: the cloud's name.
         work: what the process does; called there with a connection to tell by, so it must be picklable.
-        maps: how many it will learn; 0 for work that is none of a person's, and that trainings go before.
+        maps: how many it will learn; 0 for work that is none of a person's, which gives way to trainings, and is then
+            begun anew.
+        expected: seconds that it should take.
         told: called with all that it tells.
         ended: called at its end; the process's own or by its death.
         owner: whose it is; None for nobody's, when its page is gone.
@@ -40,6 +42,7 @@ class Job:
     title: str
     work: Callable[[Connection], None]
     maps: int = 0
+    expected: float = 0.0
     told: Callable[[Told], None] = lambda _: None
     ended: Callable[[Job], None] = lambda _: None
     owner: Hashable | None = None
@@ -127,26 +130,34 @@ class TrainingQueue:
                 job = min(self._jobs, key=lambda each: not each.maps)  # the first, trainings before the rest
                 job.running = True
             self._changed()
+            finished = True
             try:
-                self._run(job)
+                finished = self._run(job)
             except Exception as error:  # the queue must outlive whatever goes wrong with one
                 _log.exception("job failed")
                 job.failure = f"{type(error).__name__}: {error}"
             with self._awake:
-                self._jobs.remove(job)
                 job.running = False
-            self._end(job)
+                if finished:
+                    self._jobs.remove(job)
+            if finished:
+                self._end(job)
 
     def _end(self, job: Job) -> None:
-        job.over = True
         try:
             job.ended(job)
         except Exception as error:
             _log.exception("what was learned is lost")
             job.failure = f"{type(error).__name__}: {error}"
+        job.over = True
         self._changed()
 
-    def _run(self, job: Job) -> None:
+    def _in_the_way(self, job: Job) -> bool:
+        """Whether trainings wait for what is none."""
+        return not job.maps and bool(self.trainings)
+
+    def _run(self, job: Job) -> bool:
+        """Run a job in a process; whether it is over, or must be begun anew."""
         spawn = multiprocessing.get_context("spawn")
         here, there = spawn.Pipe(duplex=False)
         process = spawn.Process(target=_work, args=(job.work, there), name="training", daemon=True)
@@ -154,14 +165,16 @@ class TrainingQueue:
         there.close()
         with here:
             self._listen(job, here)
-        if job.cancelled or self._closed:
+        stopped = job.cancelled or self._closed or self._in_the_way(job)
+        if stopped:
             process.kill()
         process.join()
-        if not (job.cancelled or self._closed or job.failure):
+        if not (stopped or job.failure):
             job.failure = _death_of(process)
+        return job.cancelled or not stopped
 
     def _listen(self, job: Job, here: Connection) -> None:
-        while not (job.cancelled or self._closed):
+        while not (job.cancelled or self._closed or self._in_the_way(job)):
             if not here.poll(_POLL):
                 continue
             try:

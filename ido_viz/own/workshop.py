@@ -117,8 +117,14 @@ class Workshop:
 
     # Learning
 
-    def train(self, draft: Draft, settings: TrainingSettings, owner: Hashable) -> Job:
+    def train(self, draft: Draft, settings: TrainingSettings, expected: float, owner: Hashable) -> Job:
         """Have maps learned; the cloud is offered from its first map on, and kept at the end.
+
+        Args:
+            draft: of the cloud.
+            settings: of the training.
+            expected: seconds that it should take.
+            owner: stands for the page that wants it.
 
         Raises:
             QueueError: it is not this person's turn.
@@ -133,6 +139,7 @@ class Workshop:
                 name,
                 partial(learn, order, file),
                 settings.maps,
+                expected,
                 told=partial(self._show, file, order.cloud),
                 ended=partial(self._keep, file, order.cloud),
                 owner=owner,
