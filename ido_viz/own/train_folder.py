@@ -104,7 +104,9 @@ class TrainFolder:
             return
         self._seen = False
         try:
-            self._job = self._workshop.train(draft, settings, cost.seconds(settings), self._client.client_id)
+            self._job = self._workshop.train(
+                draft, settings, cost.seconds(settings), PLANS[self._plan.value].limit, self._client.client_id
+            )
         except (QueueError, ShelfError) as error:
             self._client.add_notification("No training now", str(error), color="red", auto_close_seconds=8.0)
         self.refresh()
@@ -156,7 +158,9 @@ def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool) ->
     if job.over:
         if job.failure:
             return caption(f"{whose}: the training failed, and nothing of it is kept. {html.escape(job.failure)}.")
-        return caption(f"{whose}: " + ("cancelled" if job.cancelled else "trained and kept"))
+        done = job.history[-1].maps if job.history else 0
+        fewer = f", with {done} of {job.maps} maps, for the time was over" if done < job.maps else ""
+        return caption(f"{whose}: " + ("cancelled" if job.cancelled else f"trained and kept{fewer}"))
     behind = f"; {len(trainings) - 1} more wait" if job.running and len(trainings) > 1 else ""
     if not job.running:
         place = trainings.index(job) if job in trainings else 0

@@ -117,13 +117,16 @@ class Workshop:
 
     # Learning
 
-    def train(self, draft: Draft, settings: TrainingSettings, expected: float, owner: Hashable) -> Job:
+    def train(
+        self, draft: Draft, settings: TrainingSettings, expected: float, limit: float | None, owner: Hashable
+    ) -> Job:
         """Have maps learned; the cloud is offered from its first map on, and kept at the end.
 
         Args:
             draft: of the cloud.
             settings: of the training.
             expected: seconds that it should take.
+            limit: seconds after which it ends with the maps that it has; None for none.
             owner: stands for the page that wants it.
 
         Raises:
@@ -134,7 +137,7 @@ class Workshop:
             self.shelf.check_room()
             name = self._free_name(draft.name)
             file = self.shelf.folder / f"{secrets.token_hex(8)}{LEARNING}"
-            order = Order(name, draft.unit, draft.up, draft.cloud, draft.model, settings)
+            order = Order(name, draft.unit, draft.up, draft.cloud, draft.model, settings, limit)
             job = Job(
                 name,
                 partial(learn, order, file),

@@ -54,7 +54,7 @@ def test_a_cloud_is_trained_watched_kept_and_judged(workshop: Workshop, tiny_dra
             seen.append(len(subject.maps["DO"]().maps))
 
     workshop.shelf.watch(look)
-    job = workshop.train(tiny_draft, SETTINGS, 1.0, owner=1)
+    job = workshop.train(tiny_draft, SETTINGS, 1.0, None, owner=1)
     wait("its end", lambda: job.over)
     assert job.failure == ""
     assert seen == sorted(seen) and seen[0] < 3 and seen[-1] == 3  # the first map could be seen before the last
@@ -68,8 +68,17 @@ def test_a_cloud_is_trained_watched_kept_and_judged(workshop: Workshop, tiny_dra
     assert workshop.unit_of("tiny") == "mm" and workshop.unit_of("bunny") == "units"
 
 
+def test_a_training_that_would_take_too_long_ends_with_the_maps_it_has(workshop: Workshop, tiny_draft: Draft):
+    began = time.monotonic()
+    job = workshop.train(tiny_draft, replace(SETTINGS, maps=1000), 1.0, 0.5, owner=1)
+    wait("its end", lambda: job.over)
+    assert not job.failure and time.monotonic() - began < PATIENCE / 2
+    for maps in workshop.shelf.load("tiny").maps.values():
+        assert len(maps.maps) == job.history[-1].maps < 1000 and maps.complete
+
+
 def test_of_a_cancelled_training_nothing_is_left(workshop: Workshop, tiny_draft: Draft):
-    job = workshop.train(tiny_draft, replace(SETTINGS, maps=1000), 1.0, owner=1)
+    job = workshop.train(tiny_draft, replace(SETTINGS, maps=1000), 1.0, None, owner=1)
     wait("its first map", lambda: "tiny" in workshop.library.subjects)
     workshop.queue.cancel(job)
     wait("its end", lambda: job.over)
@@ -78,7 +87,7 @@ def test_of_a_cancelled_training_nothing_is_left(workshop: Workshop, tiny_draft:
 
 
 def test_two_drafts_of_a_name_get_two_names(workshop: Workshop, tiny_draft: Draft):
-    jobs = [workshop.train(tiny_draft, SETTINGS, 1.0, owner=owner) for owner in (1, 2)]
+    jobs = [workshop.train(tiny_draft, SETTINGS, 1.0, None, owner=owner) for owner in (1, 2)]
     assert [job.title for job in jobs] == ["tiny", "tiny (2)"]
     for job in jobs:
         workshop.queue.cancel(job)
@@ -137,7 +146,7 @@ def test_a_card_that_was_never_made_is_made_by_the_next_server(workshop: Worksho
 
 
 def test_a_file_that_is_lost_while_it_is_learned_is_told(workshop: Workshop, tiny_draft: Draft):
-    job = workshop.train(tiny_draft, SETTINGS, 1.0, owner=1)
+    job = workshop.train(tiny_draft, SETTINGS, 1.0, None, owner=1)
     (told,) = (job.told,)
     workshop.queue.cancel(job)
     with pytest.raises(MapsError, match="no such file"):
@@ -146,7 +155,7 @@ def test_a_file_that_is_lost_while_it_is_learned_is_told(workshop: Workshop, tin
 
 def test_a_draft_s_maps_register_its_scenes(workshop: Workshop, tiny_draft: Draft):
     """Enough is learned to be of use, in the units that were set."""
-    job = workshop.train(tiny_draft, replace(SETTINGS, samples=400, maps=5), 1.0, owner=1)
+    job = workshop.train(tiny_draft, replace(SETTINGS, samples=400, maps=5), 1.0, None, owner=1)
     wait("its end", lambda: job.over)
     maps = workshop.shelf.load("tiny").best
     assert maps.frame.scale == 78.0
