@@ -49,7 +49,7 @@ class DraftFolder:
             self._preview_box = gui.add_checkbox(
                 "Preview", True, hint="Show the cloud, the model points and their normals instead of the panes."
             )
-            with gui.add_folder("Name, size, up and normals", expand_by_default=False):
+            with gui.add_folder("Name, size, up and normals"):
                 self._name = gui.add_text("Name", "", hint=f"As it is listed; at most {LONGEST_NAME} letters.")
                 self._unit: Any = gui.add_dropdown("Unit", UNITS, hint="What lengths are in. Files do not say.")
                 self._side = gui.add_text(

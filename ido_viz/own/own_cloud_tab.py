@@ -40,9 +40,9 @@ class OwnCloudTab:
         self._workshop, self._state, self._show_shape = workshop, state, show_shape
         self._turn = threading.Lock()  # the queue tells on its thread, the page draws on another
         gui = client.gui
-        self._preview = Preview(client, show_panes)
+        self._preview = Preview(client, show_panes, dark=state.dark)
         self._draft = DraftFolder(gui, workshop, self._preview, self._estimate)
-        self._train = TrainFolder(client, workshop, self._draft, self._show)
+        self._train = TrainFolder(client, workshop, state, self._draft, self._show)
         self._scan = OwnScanFolder(client, workshop, self._preview, lambda: self._state.shape)
         self._kept = KeptFolder(client, workshop, self._show)
 

@@ -56,7 +56,7 @@ class OwnScanFolder:
             self._upload = gui.add_upload_button("Upload a scan", icon=viser.Icon.UPLOAD, hint="Of the shape shown.")
             self._text = gui.add_html(caption(_WHAT))
             self._box = gui.add_checkbox(
-                "Show it on the model", False, visible=False, hint="The scan where it was put, instead of the panes."
+                "On the model", False, visible=False, hint="The scan where it was put, instead of the panes."
             )
             self._pose = gui.add_text("Pose", "", visible=False, hint="T_model_scene, 4 rows of 4 numbers, to copy.")
             ways = {"Pose (.json)": self._send_pose, "Moved scan (.ply)": self._send_moved}

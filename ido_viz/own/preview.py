@@ -28,14 +28,15 @@ class Preview:
     Args:
         client: the page.
         show_panes: hides or shows the panes.
+        dark: whether the page is.
     """
 
-    def __init__(self, client: viser.ClientHandle, show_panes: Callable[[bool], None]) -> None:
+    def __init__(self, client: viser.ClientHandle, show_panes: Callable[[bool], None], *, dark: bool) -> None:
         self._scene = client.scene
         self._show_panes = show_panes
         self._style = client.gui.add_html("")
         self._root: viser.FrameHandle | None = None
-        self.dark = False
+        self.dark = dark
 
     def show_draft(self, draft: Draft) -> None:
         """The cloud, its model points, and their normals, dark at the point and bright at the tip."""

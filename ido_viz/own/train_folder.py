@@ -30,18 +30,24 @@ class TrainFolder:
     Args:
         client: the page.
         workshop: of the server.
+        state: what the page begins with.
         draft: of the page.
         begun: called with the cloud's name when its first maps can be seen.
     """
 
     def __init__(
-        self, client: viser.ClientHandle, workshop: Workshop, draft: DraftFolder, begun: Callable[[str], None]
+        self,
+        client: viser.ClientHandle,
+        workshop: Workshop,
+        state: State,
+        draft: DraftFolder,
+        begun: Callable[[str], None],
     ) -> None:
         gui = client.gui
         self._client, self._workshop, self._draft, self._begun = client, workshop, draft, begun
         self._job: Job | None = None  # this page's last one
         self._seen = False  # whether its first maps were shown
-        self._state = State()
+        self._state = state
         self._drawn: tuple[object, ...] | None = None
         self.folder = gui.add_folder("Train", visible=False)
         with self.folder:
@@ -79,7 +85,9 @@ class TrainFolder:
     def refresh(self) -> None:
         """Show how far the trainings are."""
         job = self._shown_job()
-        self._text.content = training_html(job, self._workshop.queue.trainings, mine=job is self._job)
+        self._text.content = training_html(
+            job, self._workshop.queue.trainings, mine=job is self._job, dark=self._state.dark
+        )
         self._cancel.visible = job is not None and not job.over and (job.owner in (None, self._client.client_id))
         self._train.disabled = self._job is not None and not self._job.over
         if job is not None and job is self._job and not self._seen and job.title in self._workshop.shelf:
@@ -150,7 +158,7 @@ def estimate_text(settings: TrainingSettings, seconds: float) -> str:
     )
 
 
-def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool) -> str:
+def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool, dark: bool) -> str:
     """Where a training is: its place in the queue, its maps and the time that is left, or how it ended."""
     if job is None:
         return ""
@@ -171,7 +179,7 @@ def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool) ->
     if done == job.maps:
         return caption(f"{whose}: all {done} maps are learned{behind}")
     left = time_left(job.expected, job.times, job.maps)
-    methods = " &nbsp; ".join(method_span(method, False) for method in TRAINED)
+    methods = " &nbsp; ".join(method_span(method, dark) for method in TRAINED)
     return caption(
         f"{whose}: map {done} of {job.maps}, about <b>{in_words(left)}</b> left{behind}<br>"
         f"{methods}: mean training error"
