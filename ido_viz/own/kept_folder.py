@@ -100,8 +100,8 @@ class KeptFolder:
         modal = self._client.gui.add_modal(f"Delete {name}?")
         with modal:
             self._client.gui.add_html(caption(question(others)))
-            delete = self._client.gui.add_button("Delete it", color="red")
-            keep = self._client.gui.add_button("Keep it", color="gray")
+            delete = self._client.gui.add_button("Delete it", color="red", hint="It cannot be brought back.")
+            keep = self._client.gui.add_button("Keep it", color="gray", hint="Leave everything as it is.")
 
         def deleted() -> None:
             modal.close()

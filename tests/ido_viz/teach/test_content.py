@@ -163,7 +163,11 @@ def test_a_file_of_windows_is_read(tmp_path: Path):
         ("rotation = 20", "rotation = 900", "01-seen.toml, step 1: rotation must lie between 0 and 180, not 900"),
         ("rotation = 20", 'rotation = "20"', "01-seen.toml, step 1: rotation must be a number, not '20'"),
         ("rotation = 20", 'left = "CPD, tunde"', "01-seen.toml, step 1: 'CPD, tunde' cannot register 'bunny'"),
-        ("rotation = 20", 'shape = "teapot"', "01-seen.toml, step 1: unknown shape 'teapot'; known: bunny, urban"),
+        (
+            "rotation = 20",
+            'shape = "teapot"',
+            "01-seen.toml, step 1: there is no shape 'teapot' on this server; there are: bunny, urban",
+        ),
         ('["view"]', '["views"]', "01-seen.toml, step 1: hidden must name parts of the page"),
         ("rotation = 20", "rotation 20", r"01-seen.toml: not TOML: .*\(at line 17, column 10\)"),
         ('title = "Seen"', "", "01-seen.toml: 'title' is missing; give text in quotes"),
