@@ -57,13 +57,7 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
     assert page.locator("b", has_text="half bunny").filter(has_not_text="<b>").count() == 0
 
     explorer.wait_until("its code", lambda: explorer.state().shape == NAME)
-    code = explorer.code()
-    page.goto("about:blank")
-    page.goto(f"{explorer.app.url}#state={code}")
-    explorer.wait_ready()
-    explorer.wait_until("the shape again", lambda: explorer.field("Shape").input_value() == NAME)
 
-    explorer.open_tab("Own cloud")
     upload(explorer, "Upload a scan", tmp_path / "scan.xyz")
     page.get_by_text("histogram distance").wait_for()
     with page.expect_download() as download:

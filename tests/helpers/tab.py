@@ -64,7 +64,7 @@ class Widgets:
 class Tab:
     """A browser tab as its session knows it, with widgets that hold values, and a person who uses them."""
 
-    def __init__(self, state: State = PAUSED) -> None:
+    def __init__(self, state: State = PAUSED, library: Library | None = None) -> None:
         self.client_id = id(self)
         self.frames: list[Drawn] = []
         self.moves: list[Frame] = []
@@ -77,7 +77,7 @@ class Tab:
         self.shared: State | None = None
         self.actions = cast(Actions, None)
         self.last_sign_of_life = time.perf_counter()
-        self.session = Session(cast(viser.ClientHandle, self), shipped_library(), state)
+        self.session = Session(cast(viser.ClientHandle, self), library or shipped_library(), state)
         self.session.start()
 
     def atomic(self) -> AbstractContextManager[None]:
