@@ -12,6 +12,7 @@ import scipy.linalg
 
 from ido import poses
 from ido.clouds import Cloud
+from ido.folding import Folding
 from ido.histograms import Histogram, SceneBatch
 from ido.maps import Maps, TrainingCurves, TrainingSettings
 from ido.perturbation import RANGES, Perturbation, perturb
@@ -87,6 +88,7 @@ class Learner:
         self._histogram, self._frame, self._executor = histogram, cloud.frame, executor
         self._scenes, self._x_true = scenes or training_scenes(cloud, settings)
         self._x = np.zeros_like(self._x_true)
+        self._folding = Folding.of(histogram)
         self._shown = np.random.default_rng(settings.seed).permutation(len(self._x))[:SHOWN_SAMPLES]
         self._maps: list[FloatArray] = []
         self._errors = [_errors(self._x_true)]
@@ -104,12 +106,12 @@ class Learner:
 
     def learn(self) -> None:
         """Learn the next map (docs/method.md, Eq. 13 and 14). Warns when the training error did not fall."""
-        h = _histograms(self._histogram, self._scenes, self._x, self._executor)
-        D = solve(h, self._x - self._x_true, self.settings.ridge)
-        self._x = self._x - h @ D.T
+        z = _folded(self._histogram, self._folding, self._scenes, self._x, self._executor)
+        E = solve(z, self._x - self._x_true, self.settings.ridge)
+        self._x = self._x - z @ E.T
         self._errors.append(_errors(self._x_true - self._x))
         self._kept.append((self._x_true - self._x)[self._shown])
-        self._maps.append(D)  # last: what counts is finished whenever an interrupt comes
+        self._maps.append(self._folding.unfold(E))  # last: what counts is finished whenever an interrupt comes
         if not self._errors[-1][0] < self._errors[-2][0]:
             warnings.warn(f"the training error did not fall at map {self.learned} (Theorem 1)", stacklevel=3)
 
@@ -167,16 +169,18 @@ def solve(h: FloatArray, step: FloatArray, ridge: float) -> FloatArray:
     return np.ascontiguousarray(D.T, dtype=np.float32)
 
 
-def _histograms(histogram: Histogram, scenes: SceneBatch, x: FloatArray, executor: Executor | None) -> FloatArray:
-    if executor is None:
-        return histogram.batch(scenes, x)
-    h = np.empty((len(scenes), histogram.n_bins), dtype=np.float32)
+def _folded(
+    histogram: Histogram, folding: Folding, scenes: SceneBatch, x: FloatArray, executor: Executor | None
+) -> FloatArray:
+    """The folded histograms of all scenes, moved by x (N, 6); the whole ones are never in memory at once."""
+    z = np.empty((len(scenes), folding.n_numbers), dtype=np.float32)
     parts = [(begin, min(begin + _CHUNK, len(scenes))) for begin in range(0, len(scenes), _CHUNK)]
     batches = [scenes.part(*part) for part in parts]
     poses_x = [x[begin:end] for begin, end in parts]
-    for (begin, end), row in zip(parts, executor.map(histogram.batch, batches, poses_x), strict=True):
-        h[begin:end] = row
-    return h
+    described = (map if executor is None else executor.map)(histogram.batch, batches, poses_x)
+    for (begin, end), h in zip(parts, described, strict=True):
+        z[begin:end] = folding.fold(h)
+    return z
 
 
 def _errors(residual: FloatArray) -> tuple[float, float, float, float]:

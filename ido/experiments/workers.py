@@ -90,7 +90,10 @@ def local_executor(workers: int) -> Iterator[tuple[Executor, int]]:
     spawn = multiprocessing.get_context("spawn")
     try:
         with ProcessPoolExecutor(workers, mp_context=spawn, initializer=become_worker) as pool:
-            yield pool, 2 * workers
+            try:
+                yield pool, 2 * workers
+            finally:
+                pool.shutdown(cancel_futures=True)
     finally:
         for name, value in before.items():
             if value is None:
