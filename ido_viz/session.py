@@ -68,10 +68,10 @@ class Session(Requests):
 
     def close(self) -> None:
         """Stop; the thread ends by itself after the frame at work."""
+        if self._page is not None:
+            self._page.close()
         if self._workshop is not None:
             self._workshop.leave(self._client.client_id, self._wake)
-            if self._page is not None:
-                self._page.close()
         with self._awake:
             self._closed = True
             self._live.close()
@@ -91,6 +91,8 @@ class Session(Requests):
             self._give_up(error)
             return
         self._page = page
+        if self._closed:  # while it was built
+            page.close()
         while True:
             with self._awake:
                 wait = self._clock.next_frame if self._state.playing else None

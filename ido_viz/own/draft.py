@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import tempfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -17,6 +19,11 @@ from ido.types import FloatArray
 
 MOST_POINTS = 30_000
 """Points that a cloud is kept with; of more, so many are drawn."""
+
+MOST_UNPACKED = 512 << 20
+"""Bytes that an upload packed with gzip may unpack to."""
+
+_STEP = 1 << 24  # bytes unpacked at a time
 
 LONGEST_NAME = 60
 """Letters."""
@@ -134,9 +141,24 @@ def open_upload(name: str, content: bytes, folder: Path) -> tuple[CloudFile, Use
         path = Path(place) / f"file{ending}"
         path.write_bytes(content)
         try:
+            if ending.endswith(".gz"):
+                _check_unpacked(path)
             return open_cloud(path, whole=True)
         except CloudError as error:
             raise CloudError(str(error).replace(path.name, shown_name(name))) from error
+
+
+def _check_unpacked(path: Path) -> None:
+    """See that a packed file does not unpack to more than the server may be asked to read."""
+    size = 0
+    try:
+        with gzip.open(path) as file:
+            while part := file.read(_STEP):
+                size += len(part)
+                if size > MOST_UNPACKED:
+                    raise CloudError(f"{path.name}: unpacks to more than {MOST_UNPACKED >> 20} MB; thin it first")
+    except (OSError, EOFError, zlib.error) as error:
+        raise CloudError(f"{path.name}: is damaged or cut off ({error})") from error
 
 
 def shown_name(text: str) -> str:

@@ -80,8 +80,9 @@ class Workshop:
         self._watchers.append(changed)
 
     def unwatch(self, changed: Callable[[], None]) -> None:
-        """Undo `watch`."""
-        self._watchers.remove(changed)
+        """Undo `watch`, if it was done."""
+        if changed in self._watchers:
+            self._watchers.remove(changed)
 
     def _tell(self) -> None:
         for changed in tuple(self._watchers):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -12,6 +13,7 @@ import trimesh
 
 from ido import CloudError
 from ido.files import save_cloud
+from ido_viz.own import draft as draft_module
 from ido_viz.own.draft import (
     LONGEST_NAME,
     MOST_POINTS,
@@ -105,6 +107,19 @@ def test_a_name_never_is_a_path_and_a_wrong_one_is_told_what_to_do(tmp_path: Pat
     with pytest.raises(CloudError) as error:
         open_upload(name, b"no cloud", tmp_path)
     assert "file.ply" not in str(error.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_packed_upload_is_read_and_one_that_unpacks_to_too_much_is_refused(
+    ellipsoid: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    packed = gzip.compress(ellipsoid.read_bytes())
+    assert len(open_upload("ellipsoid.ply.gz", packed, tmp_path)[0].points) == 642
+    with pytest.raises(CloudError, match=r"^ellipsoid\.ply\.gz: is damaged or cut off"):
+        open_upload("ellipsoid.ply.gz", packed[:500], tmp_path)
+    monkeypatch.setattr(draft_module, "MOST_UNPACKED", 1 << 20)
+    with pytest.raises(CloudError, match=r"^zeros\.xyz\.gz: unpacks to more than 1 MB"):
+        open_upload("zeros.xyz.gz", gzip.compress(bytes(2 << 20)), tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -105,7 +105,8 @@ def test_what_a_killed_server_left_is_cleared_and_what_a_running_one_writes_is_n
     upload.mkdir()
     for path in (old, new, upload / "file.ply"):
         path.write_bytes(b"x")
+    long_ago = time.time() - 1e6
     for path in (old, upload):
-        os.utime(path, (time.time() - 1e6,) * 2)
+        os.utime(path, (long_ago, long_ago))
     Shelf(GIVEN, tmp_path)
     assert list(tmp_path.iterdir()) == [new]
