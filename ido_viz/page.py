@@ -110,6 +110,8 @@ class Page:
         if self._own is not None and workshop is not None:
             self._own.begin()
             workshop.watch(self._own.refresh)
+            if workshop.draft is not None:
+                self.open_tab(OWN_CLOUD)
 
     def close(self) -> None:
         """Let go of what outlives the page."""
