@@ -7,7 +7,7 @@ import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -156,15 +156,6 @@ class Shelf(Mapping[str, Subject]):
                 del self._kept[name]
             self._subjects = {other: subject for other, subject in self._subjects.items() if other != name}
         self._tell()
-
-    def load(self, name: str) -> Kept:
-        """A kept cloud.
-
-        Raises:
-            ShelfError: there is none of this name.
-            MapsError: its file was damaged.
-        """
-        return replace(Kept.load(self.place(name).maps), name=name)
 
     def place(self, name: str) -> Place:
         """Where a kept cloud lies.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import tempfile
 import threading
@@ -19,6 +20,8 @@ from ido_viz.own.learning import Order, Told, learn, measure
 from ido_viz.own.plans import Cost, measured_cost
 from ido_viz.own.shelf import LEARNING, Shelf, ShelfError
 from ido_viz.own.training_queue import Job, TrainingQueue
+
+_log = logging.getLogger(__name__)
 
 
 class Workshop:
@@ -86,7 +89,10 @@ class Workshop:
 
     def _tell(self) -> None:
         for changed in tuple(self._watchers):
-            changed()
+            try:
+                changed()
+            except Exception:  # one page's trouble is none of the training's, nor of other pages
+                _log.exception("a page could not show a training")
 
     # Files
 

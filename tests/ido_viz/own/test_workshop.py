@@ -40,6 +40,11 @@ def wait(what: str, until: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
+def kept_tiny(workshop: Workshop) -> Kept:
+    """What lies in the folder."""
+    return Kept.load(workshop.shelf.place("tiny").maps)
+
+
 def measures(workshop: Workshop, name: str) -> bool:
     """Whether a card is being made."""
     return any(job.title == name and job.running and not job.maps for job in workshop.queue._jobs)
@@ -59,7 +64,7 @@ def test_a_cloud_is_trained_watched_kept_and_judged(workshop: Workshop, tiny_dra
     assert job.failure == ""
     assert seen == sorted(seen) and seen[0] < 3 and seen[-1] == 3  # the first map could be seen before the last
     assert [told.maps for told in job.history] == [0, 1, 2, 3]
-    kept = workshop.shelf.load("tiny")
+    kept = kept_tiny(workshop)
     for method, kind in TRAINED.items():
         expected = train(tiny_draft.cloud, kind(tiny_draft.model), SETTINGS)
         np.testing.assert_array_equal(kept.maps[method].maps, expected.maps)
@@ -73,8 +78,20 @@ def test_a_training_that_would_take_too_long_ends_with_the_maps_it_has(workshop:
     job = workshop.train(tiny_draft, replace(SETTINGS, maps=1000), 1.0, 0.5, owner=1)
     wait("its end", lambda: job.over)
     assert not job.failure and time.monotonic() - began < PATIENCE / 2
-    for maps in workshop.shelf.load("tiny").maps.values():
+    for maps in kept_tiny(workshop).maps.values():
         assert len(maps.maps) == job.history[-1].maps < 1000 and maps.complete
+
+
+def test_a_page_that_fails_to_show_a_training_does_not_end_it(workshop: Workshop, tiny_draft: Draft):
+    def broken() -> None:
+        raise RuntimeError("this page is gone")
+
+    told: list[int] = []
+    for watcher in (broken, lambda: told.append(1)):
+        workshop.watch(watcher)
+    job = workshop.train(tiny_draft, SETTINGS, 1.0, None, owner=1)
+    wait("its end", lambda: job.over)
+    assert not job.failure and workshop.shelf.kept == ("tiny",) and told
 
 
 def test_of_a_cancelled_training_nothing_is_left(workshop: Workshop, tiny_draft: Draft):
@@ -157,7 +174,7 @@ def test_a_draft_s_maps_register_its_scenes(workshop: Workshop, tiny_draft: Draf
     """Enough is learned to be of use, in the units that were set."""
     job = workshop.train(tiny_draft, replace(SETTINGS, samples=400, maps=5), 1.0, None, owner=1)
     wait("its end", lambda: job.over)
-    maps = workshop.shelf.load("tiny").best
+    maps = kept_tiny(workshop).best
     assert maps.frame.scale == 78.0
     scene = perturb(tiny_draft.cloud, Perturbation(noise=0.0, rotation=20.0, translation=0.05, outliers=0, seed=1))
     moved = register(maps, scene.points)
