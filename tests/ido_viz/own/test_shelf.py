@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ido_viz import command
+from ido_viz.command import Options
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode, encode
 from ido_viz.own import shelf as shelf_module
@@ -110,3 +112,15 @@ def test_what_a_killed_server_left_is_cleared_and_what_a_running_one_writes_is_n
         os.utime(path, (long_ago, long_ago))
     Shelf(GIVEN, tmp_path)
     assert list(tmp_path.iterdir()) == [new]
+
+
+def test_where_the_system_s_folder_cannot_be_made_there_are_no_own_clouds_and_a_note(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setattr(command, "user_data_path", lambda *_, **__: tmp_path / "file" / "ido-explorer")
+    assert command.data_folder(Options()) is None
+    assert "name a folder with --data" in capsys.readouterr().err
+    with pytest.raises(OSError):
+        command.data_folder(Options(data=tmp_path / "file" / "mine"))
+    assert command.data_folder(Options(data=tmp_path / "mine")) == tmp_path / "mine"

@@ -292,7 +292,7 @@ def test_the_command_tells_a_mistake_before_anything_is_opened(
 ):
     saved(LESSON.replace("rotation = 20", "rotation = 900"), tmp_path / "01-seen.toml")
     monkeypatch.setattr(app, "lessons", lambda: load_lessons(tmp_path))
-    monkeypatch.setattr(sys, "argv", ["ido-viz", "--no-open", "--port", "0"])
+    monkeypatch.setattr(sys, "argv", ["ido-viz", "--no-open", "--port", "0", "--data", str(tmp_path / "data")])
     assert command.run() == 2
     assert re.fullmatch(r"ido-viz: 01-seen\.toml, step 1: rotation must lie .*\n", capsys.readouterr().err)
 
