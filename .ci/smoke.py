@@ -8,6 +8,7 @@ import json
 import signal
 import subprocess
 import sys
+import tempfile
 import urllib.request
 from pathlib import Path
 
@@ -41,7 +42,7 @@ pose = json.loads(output_of([*ido, "register", "bunny", "--maps", "bunny-triple-
 print(f"  registration: {pose['stop']} after {pose['iterations']} iterations")
 assert pose["converged"]
 
-options = ["--no-open", "--port", "18080", "--lesson", "histogram"]
+options = ["--no-open", "--port", "18080", "--lesson", "histogram", "--data", tempfile.mkdtemp()]
 with subprocess.Popen([*ido_viz, *options], stdout=subprocess.PIPE, text=True) as explorer:
     try:
         assert explorer.stdout

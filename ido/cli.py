@@ -28,7 +28,7 @@ from ido.console import ended_as_by_ctrl_c, note, progress_bar, replace_what_can
 from ido.disk import check_apart, check_output
 from ido.experiments import LEVELS, mean_and_interval, sweep
 from ido.experiments.commands import app as experiments
-from ido.experiments.workers import local_executor
+from ido.experiments.workers import executor_of
 from ido.extensions import histogram_class
 from ido.maps import Maps, TrainingSettings
 from ido.perturbation import OutlierKind, Perturbation
@@ -84,6 +84,7 @@ def train_command(
     outlier_kind: OutlierKind | None = None,
     normals: Orientation | None = None,
     workers: int | None = None,
+    dask: Annotated[str | None, arg(metavar="ADDRESS")] = None,
     drop_invalid: bool = False,
     force: bool = False,
 ) -> int | None:
@@ -108,6 +109,7 @@ def train_command(
         outlier_kind: Spread evenly, or gathered in one ball. Default: the shape's own, else uniform.
         normals: Side the model's normals point to; changes no result. Default: the shape's own, else outward.
         workers: Describe the scenes in this many processes. Default: threads of this one, about as fast.
+        dask: Describe them on the Dask cluster with this scheduler (tcp://HOST:PORT).
         drop_invalid: Leave out points with coordinates that are not finite, instead of refusing the cloud.
         force: Replace a file that is already there.
     """
@@ -115,7 +117,7 @@ def train_command(
     check_output(output, ".npz", force=force)
     kind, orientation = habits(cloud, outlier_kind, normals)
     settings = TrainingSettings(samples=samples, maps=maps, ridge=ridge, seed=seed, outlier_kind=kind)
-    pool = nullcontext((None, 0)) if workers is None else local_executor(workers)
+    pool = nullcontext((None, 0)) if workers is None and dask is None else executor_of(workers, dask)
     normalised = Cloud.of(points_of(cloud, drop_invalid=drop_invalid))
     feature = histogram_class(histogram)(Model.of(normalised, orientation=orientation))
     began = time.monotonic()
@@ -133,9 +135,6 @@ def train_command(
         except KeyboardInterrupt:
             note("interrupted before the first map was finished; nothing was written")
             return 130
-        finally:
-            if executor:
-                executor.shutdown(cancel_futures=True)
     place = save_somewhere(trained, output)
     for line in training_summary(trained, time.monotonic() - began):
         note(line)

@@ -15,10 +15,11 @@ from ido.clouds import Frame, Model
 from ido.disk import write_whole
 from ido.histograms import HISTOGRAMS, Histogram
 from ido.npz import packed, read_arrays
-from ido.perturbation import OutlierKind
+from ido.perturbation import RANGES, OutlierKind
 from ido.types import FloatArray
 
 FORMAT = "ido-maps-1"
+_HEADER = {"format", "histogram", "settings", "version"}
 
 
 class MapsError(ValueError):
@@ -35,6 +36,8 @@ class TrainingSettings:
         ridge: λ of the regression.
         outlier_kind: kind of the training outliers.
         seed: draws the training scenes.
+        rotation: largest angle of the training scenes, degrees.
+        translation: longest shift of the training scenes, model units.
 
     Raises:
         ValueError: a value is out of range.
@@ -45,6 +48,8 @@ class TrainingSettings:
     ridge: float = 2e-4
     outlier_kind: OutlierKind = "uniform"
     seed: int = 0
+    rotation: float = RANGES["rotation"].train[1]
+    translation: float = RANGES["translation"].train[1]
 
     def __post_init__(self) -> None:
         if self.samples < 2 or self.maps < 1:
@@ -55,6 +60,17 @@ class TrainingSettings:
             raise ValueError(f"outlier_kind must be one of {get_args(OutlierKind)}, not {self.outlier_kind!r}")
         if self.seed < 0:
             raise ValueError(f"seed must not be negative, not {self.seed}")
+        for name in ("rotation", "translation"):
+            if not 0 <= getattr(self, name) <= RANGES[name].high:
+                raise ValueError(
+                    f"{name} must lie between 0 and {RANGES[name].high:g} in training, not {getattr(self, name)}"
+                )
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of each perturbation of the training scenes: the paper's but for the pose's."""
+        own = {"rotation": (0.0, self.rotation), "translation": (0.0, self.translation)}
+        return {name: own.get(name, allowed.train) for name, allowed in RANGES.items()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +124,10 @@ class Maps:
 
     def save(self, path: str | Path) -> None:
         """Write to one .npz; a file that is already there is replaced only when the new one is whole."""
+        write_whole(path, packed(self.arrays()))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The arrays of the file, by name."""
         header = {
             "format": FORMAT,
             "histogram": self.histogram.name,
@@ -123,8 +143,7 @@ class Maps:
             **{f"curves_{name}": values for name, values in asdict(self.curves).items()},
         }
         arrays["curves_residuals"] = self.curves.residuals.astype(np.float16)
-        header["checksum"] = _checksum(header, arrays)
-        write_whole(path, packed({"header": np.array(json.dumps(header)), **arrays}))
+        return {"header": np.array(json.dumps(header | {"checksum": _checksum(header, arrays)})), **arrays}
 
     @classmethod
     def load(cls, path: str | Path, histograms: Mapping[str, type[Histogram]] = HISTOGRAMS) -> Maps:
@@ -139,11 +158,25 @@ class Maps:
         """
         arrays, name = read_arrays(path, MapsError, "a maps file", "make one with `ido train`"), Path(path).name
         try:
-            return cls._of(arrays, histograms)
+            return cls.of_arrays(arrays, histograms)
         except MapsError as error:
             raise MapsError(f"{name}: {error}") from error
+
+    @classmethod
+    def of_arrays(
+        cls, arrays: Mapping[str, np.ndarray], histograms: Mapping[str, type[Histogram]] = HISTOGRAMS
+    ) -> Maps:
+        """What `arrays` gave; others among them are left alone.
+
+        Raises:
+            MapsError: they do not fit together, or are none of ours.
+        """
+        try:
+            return cls._of(arrays, histograms)
+        except MapsError:
+            raise
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-            raise MapsError(f"{name}: not a maps file of this program ({error})") from error
+            raise MapsError(f"not a maps file of this program ({error})") from error
 
     @classmethod
     def _of(cls, arrays: Mapping[str, np.ndarray], histograms: Mapping[str, type[Histogram]]) -> Maps:
@@ -173,7 +206,8 @@ class Maps:
         if n_maps == 0 or not arrays["scale"] > 0:
             raise MapsError("it holds no maps, or no scale")
         known = {name: array for name, array in arrays.items() if name in shapes}
-        if "checksum" in header and header.pop("checksum") != _checksum(header, known):  # older files have none
+        checksum = header.pop("checksum", None)  # older files have none
+        if set(header) != _HEADER or checksum not in (None, _checksum(header, known)):
             raise MapsError("it was changed or damaged since it was written; train the maps again, or take a copy")
         curves["residuals"] = _float32(curves["residuals"])
         return cls(

@@ -84,7 +84,11 @@ def register_scan(maps: Maps, cloud: str, settings: ScanSettings, *, whole: bool
     Raises:
         CloudError: the file cannot be used.
     """
-    file, used = _opened(cloud, settings, whole)
+    return registered_scan(maps, *_opened(cloud, settings, whole), settings)
+
+
+def registered_scan(maps: Maps, file: CloudFile, used: UsedPoints, settings: ScanSettings) -> RegisteredScan:
+    """Register what was read from a file onto the model of maps; see `register_scan`."""
     points = registered_points(used.points)
     T_model_scene, track = register_original(
         maps, points, start=settings.start, epsilon=settings.epsilon, max_iterations=settings.max_iterations

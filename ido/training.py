@@ -12,6 +12,7 @@ import scipy.linalg
 
 from ido import poses
 from ido.clouds import Cloud
+from ido.folding import Folding
 from ido.histograms import Histogram, SceneBatch
 from ido.maps import Maps, TrainingCurves, TrainingSettings
 from ido.perturbation import RANGES, Perturbation, perturb
@@ -49,51 +50,93 @@ def train(
     Raises:
         KeyboardInterrupt: interrupted before the first map was finished.
     """
-    settings = settings or TrainingSettings()
-    scenes, x_true = training_scenes(cloud, settings)
-    x = np.zeros_like(x_true)
-    shown = np.random.default_rng(settings.seed).permutation(len(x))[:SHOWN_SAMPLES]
-    maps: list[FloatArray] = []
-    residuals = [x_true - x]
-    errors = [_errors(residuals[0])]
-    kept = [residuals[0][shown]]
+    learner = Learner(cloud, histogram, settings or TrainingSettings(), executor=executor)
     try:
-        for k in range(settings.maps):
+        for k in range(learner.settings.maps):
             if progress:
-                progress(k, errors[-1][0])
-            h = _histograms(histogram, scenes, x, executor)
-            D = solve(h, x - x_true, settings.ridge)
-            x = x - h @ D.T
-            errors.append(_errors(x_true - x))
-            kept.append((x_true - x)[shown])
-            maps.append(D)  # last: what counts is finished whenever an interrupt comes
-            if not errors[-1][0] < errors[-2][0]:
-                warnings.warn(f"the training error did not fall at map {k + 1} (Theorem 1)", stacklevel=2)
+                progress(k, learner.error)
+            learner.learn()
         if progress:
-            progress(settings.maps, errors[-1][0])
+            progress(learner.settings.maps, learner.error)
     except KeyboardInterrupt:
-        if not maps:
+        if learner.learned == 0:
             raise
-    n = len(maps) + 1
-    mean, deviation, translation, rotation = np.array(errors[:n]).T
-    return Maps(
-        maps=np.stack(maps),
-        histogram=histogram,
-        frame=cloud.frame,
-        settings=settings,
-        curves=TrainingCurves(mean, deviation, translation, rotation, np.stack(kept[:n]).astype(np.float32)),
-        version=importlib.metadata.version("ido-explorer"),
-    )
+    return learner.maps()
+
+
+class Learner:
+    """Learns map after map; `maps` gives those learned so far, so that learning can be watched.
+
+    Args:
+        cloud: what training scenes are drawn from.
+        histogram: the feature to learn on, with its model.
+        settings: how many scenes and maps, and of which kind.
+        scenes: as `training_scenes` draws them, where several learners share them; drawn unless given.
+        executor: shares the scenes out.
+    """
+
+    def __init__(
+        self,
+        cloud: Cloud,
+        histogram: Histogram,
+        settings: TrainingSettings,
+        *,
+        scenes: tuple[SceneBatch, FloatArray] | None = None,
+        executor: Executor | None = None,
+    ) -> None:
+        self.settings = settings
+        self._histogram, self._frame, self._executor = histogram, cloud.frame, executor
+        self._scenes, self._x_true = scenes or training_scenes(cloud, settings)
+        self._x = np.zeros_like(self._x_true)
+        self._folding = Folding.of(histogram)
+        self._shown = np.random.default_rng(settings.seed).permutation(len(self._x))[:SHOWN_SAMPLES]
+        self._maps: list[FloatArray] = []
+        self._errors = [_errors(self._x_true)]
+        self._kept = [self._x_true[self._shown]]
+
+    @property
+    def learned(self) -> int:
+        """Number of maps so far."""
+        return len(self._maps)
+
+    @property
+    def error(self) -> float:
+        """The mean training error ‖x* - x_k‖² after the maps so far."""
+        return self._errors[self.learned][0]
+
+    def learn(self) -> None:
+        """Learn the next map (docs/method.md, Eq. 13 and 14). Warns when the training error did not fall."""
+        z = _folded(self._histogram, self._folding, self._scenes, self._x, self._executor)
+        E = solve(z, self._x - self._x_true, self.settings.ridge)
+        self._x = self._x - z @ E.T
+        self._errors.append(_errors(self._x_true - self._x))
+        self._kept.append((self._x_true - self._x)[self._shown])
+        self._maps.append(self._folding.unfold(E))  # last: what counts is finished whenever an interrupt comes
+        if not self._errors[-1][0] < self._errors[-2][0]:
+            warnings.warn(f"the training error did not fall at map {self.learned} (Theorem 1)", stacklevel=3)
+
+    def maps(self) -> Maps:
+        """The maps so far, at least one."""
+        n = self.learned + 1
+        mean, deviation, translation, rotation = np.array(self._errors[:n]).T
+        return Maps(
+            maps=np.stack(self._maps),
+            histogram=self._histogram,
+            frame=self._frame,
+            settings=self.settings,
+            curves=TrainingCurves(mean, deviation, translation, rotation, np.stack(self._kept[:n]).astype(np.float32)),
+            version=importlib.metadata.version("ido-explorer"),
+        )
 
 
 def training_scenes(cloud: Cloud, settings: TrainingSettings) -> tuple[SceneBatch, FloatArray]:
-    """The training scenes and their true x* (N, 6): every perturbation uniform in the paper's training range.
+    """The training scenes and their true x* (N, 6): every perturbation uniform in the settings' training range.
 
     docs/method.md, Eq. 4.
     """
     rng = np.random.default_rng(settings.seed)
     names = sorted(RANGES, key=lambda name: RANGES[name].stream)  # their order decides the draws
-    low, high = np.array([RANGES[name].train for name in names]).T
+    low, high = np.array([settings.ranges[name] for name in names]).T
     draws = rng.uniform(low, high, (settings.samples, len(names)))
     seeds = rng.integers(0, 2**32, settings.samples)
     scenes = []
@@ -126,16 +169,18 @@ def solve(h: FloatArray, step: FloatArray, ridge: float) -> FloatArray:
     return np.ascontiguousarray(D.T, dtype=np.float32)
 
 
-def _histograms(histogram: Histogram, scenes: SceneBatch, x: FloatArray, executor: Executor | None) -> FloatArray:
-    if executor is None:
-        return histogram.batch(scenes, x)
-    h = np.empty((len(scenes), histogram.n_bins), dtype=np.float32)
+def _folded(
+    histogram: Histogram, folding: Folding, scenes: SceneBatch, x: FloatArray, executor: Executor | None
+) -> FloatArray:
+    """The folded histograms of all scenes, moved by x (N, 6); the whole ones are never in memory at once."""
+    z = np.empty((len(scenes), folding.n_numbers), dtype=np.float32)
     parts = [(begin, min(begin + _CHUNK, len(scenes))) for begin in range(0, len(scenes), _CHUNK)]
     batches = [scenes.part(*part) for part in parts]
     poses_x = [x[begin:end] for begin, end in parts]
-    for (begin, end), row in zip(parts, executor.map(histogram.batch, batches, poses_x), strict=True):
-        h[begin:end] = row
-    return h
+    described = (map if executor is None else executor.map)(histogram.batch, batches, poses_x)
+    for (begin, end), h in zip(parts, described, strict=True):
+        z[begin:end] = folding.fold(h)
+    return z
 
 
 def _errors(residual: FloatArray) -> tuple[float, float, float, float]:

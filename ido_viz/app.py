@@ -7,6 +7,7 @@ import socket
 import threading
 from collections.abc import Collection
 from dataclasses import replace
+from pathlib import Path
 from urllib.parse import parse_qs, quote, urlsplit
 
 import viser
@@ -14,9 +15,11 @@ from websockets.http11 import Request
 
 from ido.console import hush
 from ido_viz.core.address import read_fragment
-from ido_viz.core.kept import Kept
+from ido_viz.core.keeping import Kept
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
+from ido_viz.own.draft import Draft
+from ido_viz.own.workshop import Workshop
 from ido_viz.serving.guests import Guests, read_origins
 from ido_viz.serving.listening import authority, is_open, listen
 from ido_viz.serving.room import Room, usual_room
@@ -45,6 +48,8 @@ class App:
         token: whether an address that other machines can open has a token, without which nobody is answered.
         origins: from where else a page of ours may come, as ``https://example.org`` of a proxy.
         sessions: how many pages are served at once; as many as suit the machine unless given.
+        data: folder where people's own clouds are kept; None for pages without them.
+        draft: a cloud of one's own that pages begin with, to be trained on there.
 
     Raises:
         StateError: the state's shape or methods are not in the library.
@@ -63,8 +68,13 @@ class App:
         token: bool = True,
         origins: Collection[str] = (),
         sessions: int | None = None,
+        data: Path | None = None,
+        draft: Draft | None = None,
     ) -> None:
         self._library = library or shipped_library()
+        self._workshop = None if data is None else Workshop(self._library, data, draft)
+        if self._workshop is not None:
+            self._library = self._workshop.library
         self._state = self._library.checked(state or State())
         for load in (lessons, presets, derivations):
             load()  # a mistake in one is said here, not when a tab is opened
@@ -94,6 +104,11 @@ class App:
         return self._address + self._query
 
     @property
+    def unreadable(self) -> tuple[str, ...]:
+        """Kept clouds that cannot be read, and why."""
+        return () if self._workshop is None else tuple(self._workshop.shelf.unreadable)
+
+    @property
     def n_sessions(self) -> int:
         """How many tabs are open."""
         return len(self._sessions)
@@ -106,6 +121,8 @@ class App:
         self._away.clear()
         for session in sessions:
             session.close()
+        if self._workshop is not None:
+            self._workshop.close()
         with hush():
             self.server.stop()
 
@@ -121,7 +138,7 @@ class App:
         else:
             if session is not None:  # still at the frame in which it was left
                 session.close()
-            session = Session(client, self._library, state, address, step)
+            session = Session(client, self._library, state, address, step, self._workshop)
         with self._lock:
             if client.client_id not in self.server.get_clients():  # gone again already
                 session.close()

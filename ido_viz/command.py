@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
+from platformdirs import user_data_path
+from rich.markup import escape
 
 from ido import CloudError, MapsError, OwnError
 from ido.console import note
@@ -18,6 +20,7 @@ from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.plugins import QUICK, QUICK_POINTS, classes_of
 from ido_viz.core.run import warm_up
 from ido_viz.core.state import State, StateError, decode
+from ido_viz.own.draft import read_draft
 from ido_viz.serving.guests import OriginError
 from ido_viz.serving.listening import ListenError
 from ido_viz.teach.content import ContentError
@@ -36,7 +39,7 @@ class Options:
     shape: str | None = None
     """Shape to begin with: bunny or urban."""
     cloud: Path | None = None
-    """A cloud of your own to register; needs --maps, or a method or histogram of your own."""
+    """A cloud or mesh of your own: to train on in the page, or with --maps to explore what was trained."""
     maps: tuple[Path, ...] = ()
     """Maps that `ido train` made of that cloud; the first two are shown."""
     method: Annotated[tuple[str, ...], tyro.conf.arg(metavar="MODULE:CLASS ...")] = ()
@@ -56,8 +59,15 @@ class Options:
     """Where else the page may come from, as https://example.org of a proxy."""
     sessions: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Pages that are served at once; as many as suit the machine unless given."""
+    data: Path | None = None
+    """Folder where clouds that were trained on in the page are kept; the system's own place for that unless given."""
     open: bool = True
     """Open the page in a browser."""
+
+    @property
+    def explores_cloud(self) -> bool:
+        """Whether the cloud can be registered from the start; else it is trained on in the page."""
+        return self.cloud is not None and bool(self.maps or self.method or self.histogram)
 
 
 OPEN_WITH_TOKEN = (
@@ -73,6 +83,7 @@ def run() -> int:
     options = tyro.cli(Options, prog="ido-viz")
     try:
         library, state = start(options)
+        draft = read_draft(options.cloud) if options.cloud and not options.explores_cloud else None
         app = App(
             state,
             library=library,
@@ -81,6 +92,8 @@ def run() -> int:
             token=options.token,
             origins=options.allow_origin,
             sessions=options.sessions,
+            data=data_folder(options),
+            draft=draft,
         )
     except (StateError, ContentError, CloudError, MapsError, OwnError, ListenError, OriginError, OSError) as error:
         print(f"ido-viz: {error}", file=sys.stderr)
@@ -89,6 +102,8 @@ def run() -> int:
         print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)
         if app.is_open:
             note(f"[yellow]{OPEN_WITH_TOKEN if options.token else OPEN_TO_ALL}[/]")
+        for text in app.unreadable:
+            note(f"[yellow]this kept cloud cannot be read: {escape(text)}[/]")
         # compiles on the very first start, and loads clouds and maps, while the browser loads the page
         threading.Thread(target=warm_up, args=(state, library), daemon=True).start()
         if options.open:
@@ -97,6 +112,23 @@ def run() -> int:
     except KeyboardInterrupt:
         app.stop()
     return 0
+
+
+def data_folder(options: Options) -> Path | None:
+    """Where people's own clouds are kept; None, and a note, where the system's folder for them cannot be made.
+
+    Raises:
+        OSError: the folder that was asked for cannot be made.
+    """
+    folder = options.data or user_data_path("ido-explorer", appauthor=False)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        if options.data is not None:
+            raise
+        note(f"[yellow]own clouds cannot be kept ({escape(str(error))}); name a folder with --data[/]")
+        return None
+    return folder
 
 
 def start(options: Options) -> tuple[Library, State]:
@@ -115,14 +147,12 @@ def start(options: Options) -> tuple[Library, State]:
         raise StateError("give --lesson without --state, --shape, --cloud and --maps")
     state = lesson(options.lesson).steps[0].state if options.lesson else State()
     state = decode(options.state) if options.state else state
-    if (options.maps and options.cloud is None) or (
-        options.cloud and not (options.maps or options.method or options.histogram)
-    ):
-        raise StateError("give --cloud and --maps together; make maps with `ido train CLOUD -o FILE`")
+    if options.maps and options.cloud is None:
+        raise StateError("give --maps with the --cloud that they were trained on")
     taken = {name for shape in library.subjects for name in library.methods(shape)}
     classes = classes_of(options.method, options.histogram, taken | {path.stem for path in options.maps})
     shape = options.shape
-    if options.cloud is not None:
+    if options.cloud is not None and options.explores_cloud:
         library, own_shape = library.with_own(options.cloud, options.maps, classes)
         shape = shape or own_shape
     library = library.with_methods(classes)

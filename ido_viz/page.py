@@ -14,6 +14,9 @@ from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
 from ido_viz.core.state import State
 from ido_viz.files.downloads import DownloadFolder
+from ido_viz.own.own_cloud_tab import NAME as OWN_CLOUD
+from ido_viz.own.own_cloud_tab import OwnCloudTab
+from ido_viz.own.workshop import Workshop
 from ido_viz.panels.address_bar import AddressBar
 from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
@@ -49,10 +52,17 @@ class Page:
         state: what the page begins with.
         actions: what they do.
         step: of a lesson, that the page begins with; empty for none.
+        workshop: of clouds of one's own; None for no such tab.
     """
 
     def __init__(
-        self, client: viser.ClientHandle, library: Library, state: State, actions: Actions, step: str = ""
+        self,
+        client: viser.ClientHandle,
+        library: Library,
+        state: State,
+        actions: Actions,
+        step: str = "",
+        workshop: Workshop | None = None,
     ) -> None:
         gui = client.gui
         gui.set_panel_label("IDO Explorer")
@@ -73,6 +83,11 @@ class Page:
             self._histograms = HistogramsTab(gui, client.camera.image_height)
         with upper.add_tab("Training"):
             self._training = TrainingTab(gui)
+        self._workshop, self._own = workshop, None
+        if workshop is not None:
+            with upper.add_tab(OWN_CLOUD):
+                show_panes = lambda shown: self._canvas.show(shown)  # noqa: E731 - the canvas comes last
+                self._own = OwnCloudTab(client, workshop, state, actions.show_shape, show_panes)
         with upper.add_tab("Derivations"):
             self._derivations = DerivationsTab(gui)
         with upper.add_tab("Help"):
@@ -105,10 +120,17 @@ class Page:
         self._parts["scores"] += telling
         self._canvas = Canvas(client, actions)
         self._dark: bool | None = None
+        if self._own is not None and workshop is not None:
+            self._own.begin()
+            workshop.watch(self._own.refresh)
+            if workshop.draft is not None:
+                self.open_tab(OWN_CLOUD)
 
     def close(self) -> None:
-        """Give up what is made for it."""
+        """Let go of what outlives the page, and give up what is made for it."""
         self._downloads.cancel()
+        if self._own is not None and self._workshop is not None:
+            self._workshop.unwatch(self._own.refresh)
 
     def read(self, state: State) -> tuple[State, bool]:
         """The state with the widgets' newest values, and whether they all were usable as they are."""
@@ -147,6 +169,8 @@ class Page:
         for name, draw in self._of_tabs(frame, comparison).items():
             if name in self._open:
                 draw()
+        if self._own is not None:
+            self._own.draw(state)
         self._controls.draw(frame, may_cancel=may_cancel)
         self._captions.draw(frame)
         self._inside.draw(frame)

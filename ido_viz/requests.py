@@ -110,6 +110,7 @@ class Requests:
             compare=self._compare,
             cancel_comparison=self._comparison.cancel,
             show_method=self._show_method,
+            show_shape=self._show_shape,
             open_scene=self._open_scene,
             open_page=self._open_page,
             show_all=lambda: self._change(lambda state: replace(state, hidden=()), show=True),
@@ -174,6 +175,16 @@ class Requests:
             self._replay(AFTER_A_CHANGE)
         return not usable or self._state.shape != before.shape
 
+    def _leave_deleted(self) -> bool:
+        """Go to the first shape when the page's own was deleted, also when undo leads there; whether it was."""
+        gone = self._state.shape
+        if gone in self._library.subjects:
+            return False
+        first = next(iter(self._library.subjects))
+        self._state = self._library.at_shape(self._state, first)
+        self._tell("This cloud is gone", f"{gone} is not kept on this server any more; the page shows {first}.")
+        return True
+
     def _replay(self, wait: float) -> None:
         """Show the start, and play after so many seconds without another change; called with the lock held."""
         self._state = replace(self._state, iteration=0, inside=0.0, playing=True)
@@ -225,6 +236,9 @@ class Requests:
             return replace(state, left=method) if pane == "left" else replace(state, right=method)
 
         self._change(placed, show=True)
+
+    def _show_shape(self, shape: str) -> None:
+        self._change(lambda state: self._library.at_shape(state, shape), show=True, replays_after=AFTER_A_CHANGE)
 
     def _open_scene(self, choice: Choice) -> None:
         self._change(lambda state: self._library.checked(choice.at(state)), show=True)

@@ -27,6 +27,7 @@ from ido_viz.core.state import (
     StateError,
 )
 from ido_viz.core.turns import Turns
+from ido_viz.own.workshop import Workshop
 from ido_viz.page import Page
 from ido_viz.requests import Requests
 
@@ -48,17 +49,27 @@ class Session(Requests):
         state: what it begins with.
         address: of its page, without the fragment.
         step: of a lesson, that it begins with; empty for none.
+        workshop: where clouds of one's own are trained and kept, whose library it is; None for no such tab.
     """
 
     def __init__(
-        self, client: viser.ClientHandle, library: Library, state: State, address: str = "", step: str = ""
+        self,
+        client: viser.ClientHandle,
+        library: Library,
+        state: State,
+        address: str = "",
+        step: str = "",
+        workshop: Workshop | None = None,
     ) -> None:
         super().__init__(client, library, state, address)
         self._lesson_step = step
+        self._workshop = workshop
         self._thread = self._new_thread()
 
     def start(self) -> None:
         """Build the page and begin to serve it."""
+        if self._workshop is not None:
+            self._workshop.enter(self._client.client_id, lambda: self._state.shape, self._wake)
         self._thread.start()
 
     def close(self) -> None:
@@ -75,6 +86,8 @@ class Session(Requests):
             if self._page is not None:
                 self._page.close()
             self._awake.notify()
+        if self._workshop is not None:
+            self._workshop.leave(self._client.client_id, self._wake)
 
     @property
     def can_come_back(self) -> bool:
@@ -103,12 +116,16 @@ class Session(Requests):
     def _serve(self) -> None:
         try:
             with _TURNS.turn(), self._client.atomic():
-                page = Page(self._client, self._library, self._state, self._actions(), self._lesson_step)
+                page = Page(
+                    self._client, self._library, self._state, self._actions(), self._lesson_step, self._workshop
+                )
         except Exception as error:  # without a page there is nothing to serve, but a person must hear of it
             _log.exception("page failed")
             self._give_up(error)
             return
         self._page = page
+        if self._closed:  # while it was built
+            page.close()
         while True:
             with self._awake:
                 wait = self._clock.next_frame if self._state.playing else None
@@ -146,8 +163,9 @@ class Session(Requests):
         Also whether the controls must be shown, and whether anything but the playing asks for a frame.
         """
         asked, self._dirty = self._dirty, False
+        gone = self._leave_deleted()
         show = self._read() if self._read_controls else False
-        state = self._state
+        show, state = show or gone, self._state
         if state.playing and state.inside > 0:
             beats = self._clock.passed() / BEAT_SECONDS * state.speed / NORMAL_SPEED
             inside = min(state.inside + beats, float(BEATS))

@@ -162,12 +162,12 @@ async def drag(tabs: list[HeadlessTab], seconds: float, server: Server) -> Figur
 
 async def play(tabs: list[HeadlessTab], seconds: float) -> float:
     """Play in every tab, and stop; megabytes a second that were sent."""
-    await asyncio.gather(*(tab.set("Step", "First (R)") for tab in tabs))
+    await asyncio.gather(*(tab.push("First (R)") for tab in tabs))
     await asyncio.gather(*(tab.trigger("Play or pause") for tab in tabs))
     sent, began = sum(tab.counts.bytes for tab in tabs), time.perf_counter()
     await asyncio.sleep(seconds)
     rate = (sum(tab.counts.bytes for tab in tabs) - sent) / (time.perf_counter() - began) / 1e6
-    await asyncio.gather(*(tab.set("Step", "Last") for tab in tabs))
+    await asyncio.gather(*(tab.push("Last") for tab in tabs))
     return rate
 
 

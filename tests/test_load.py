@@ -11,7 +11,7 @@ async def idle(server: load.Server) -> float:
     """Seconds of the processor that five tabs took in one second, in which nobody did anything."""
     tabs = await load.class_of(server, 5)
     for tab in tabs:
-        await tab.set("Step", "Last")
+        await tab.push("Last")
     await asyncio.sleep(1.0)
     before = server.processor()
     await asyncio.sleep(1.0)

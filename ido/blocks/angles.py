@@ -43,6 +43,8 @@ class _Angle(Question):
 
     __slots__ = ()
 
+    counts_all = True
+
     @abstractmethod
     def angle(self, points: FloatArray) -> DoubleArray:
         """The angle of points (S, 3), radians."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -68,6 +68,9 @@ class Question(Block, ABC):
     """
 
     __slots__ = ()
+
+    counts_all: ClassVar[bool] = False
+    """Whether every scene point counts 1, so that both bins of each model point sum to the number of scene points."""
 
     @abstractmethod
     def answers(self, points: FloatArray, normals: FloatArray, moved: FloatArray) -> BoolArray:

@@ -89,8 +89,11 @@ def local_executor(workers: int) -> Iterator[tuple[Executor, int]]:
     os.environ.update(_ONE_THREAD)  # read by the libraries as a worker imports them
     spawn = multiprocessing.get_context("spawn")
     try:
-        with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_become_worker) as pool:
-            yield pool, 2 * workers
+        with ProcessPoolExecutor(workers, mp_context=spawn, initializer=become_worker) as pool:
+            try:
+                yield pool, 2 * workers
+            finally:
+                pool.shutdown(cancel_futures=True)
     finally:
         for name, value in before.items():
             if value is None:
@@ -99,7 +102,8 @@ def local_executor(workers: int) -> Iterator[tuple[Executor, int]]:
                 os.environ[name] = value
 
 
-def _become_worker() -> None:
+def become_worker() -> None:
+    """In a process: leave Ctrl-C to its parent, and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the parent acts on it
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

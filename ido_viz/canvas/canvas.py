@@ -38,6 +38,11 @@ class Canvas:
         self._panes = [PaneView(scene, pane, partial(actions.grab, pane)) for pane in range(2)]
         self._camera = Camera(client.camera, actions.look, actions.seen)
 
+    def show(self, shown: bool) -> None:
+        """Show both panes, or nothing."""
+        for pane in self._panes:
+            pane.show(shown)
+
     def draw(self, frame: Frame, *, lifted: bool = False) -> None:
         """Draw both panes, lifted where something stands below them; the first time, seen from where the state says."""
         for pane in self._panes:

@@ -100,6 +100,10 @@ class PaneView:
         self._drawn: tuple[object, ...] | None = None
         self._up: tuple[float, ...] | None = None
 
+    def show(self, shown: bool) -> None:
+        """Show all of the pane, or nothing."""
+        self._root.visible = shown
+
     def draw(self, frame: Frame) -> None:
         """Draw the pane's side of a frame, and what is looked into if it is this side."""
         run, state, side = frame.run, frame.state, frame.sides[self._pane]

@@ -32,6 +32,8 @@ class Actions:
     compare: Callable[[], None]
     cancel_comparison: Callable[[], None]
     show_method: Callable[[str, str], None]
+    show_shape: Callable[[str], None]
+    """Called with a shape's name; methods that cannot register it give way to others."""
     open_scene: Callable[[Choice], None]
     open_page: Callable[[State], None]
     show_all: Callable[[], None]

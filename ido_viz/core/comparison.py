@@ -75,12 +75,12 @@ class Comparison:
 
     def fits(self, state: State) -> bool:
         """Whether the rows are of the state's scene."""
-        return self._of == _inputs(state)
+        return self._of == self._inputs(state)
 
     def begin(self, state: State) -> None:
         """Register the state's scene with every method, the one after the other."""
         self.cancel()
-        self._of, self.methods = _inputs(state), self._library.methods(state.shape)
+        self._of, self.methods = self._inputs(state), self._library.methods(state.shape)
         self._rows = rows = []  # of this comparison alone; one that is still ending has its own
         self._job = Job(lambda report: self._fill(state, rows, report), self._changed)
 
@@ -88,6 +88,10 @@ class Comparison:
         """Leave it at the rows that are there."""
         if self._job is not None:
             self._job.cancel()
+
+    def _inputs(self, state: State) -> tuple[object, ...]:
+        subject = self._library.subjects.get(state.shape)  # another one as soon as another map was learned on it
+        return (subject, *scene_inputs(state), state.epsilon, state.max_iterations)
 
     def _fill(self, state: State, rows: list[Row], report: Report) -> None:
         subject = self._library.subject(state.shape)
@@ -114,7 +118,3 @@ def measured(method: Method, scene: Scene, watch: Watch) -> Row:
     seconds = time.perf_counter() - began
     scores = score(scene, track.T_model_scene[-1])
     return Row(method.name, float(scores.accuracy), float(scores.rmse), seconds, track.iterations)
-
-
-def _inputs(state: State) -> tuple[object, ...]:
-    return (*scene_inputs(state), state.epsilon, state.max_iterations)

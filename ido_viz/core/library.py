@@ -112,7 +112,7 @@ class Library:
             StateError: there is none of this name.
         """
         if name not in self.subjects:
-            raise StateError(f"unknown shape {name!r}; known: {', '.join(self.subjects)}")
+            raise StateError(f"there is no shape {name!r} on this server; there are: {', '.join(self.subjects)}")
         return self.subjects[name]
 
     def methods(self, shape: str) -> tuple[str, ...]:

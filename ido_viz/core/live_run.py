@@ -66,7 +66,8 @@ class LiveRun:
         Raises:
             StateError: the shape is unknown, or a method is not available for it.
         """
-        if inputs(state) == self._inputs:
+        subject = self._library.subjects.get(state.shape)  # another one as soon as another map was learned on it
+        if (subject, *inputs(state)) == self._inputs:
             return False
         selection = self._library.select(state)
         scene = make_scene(selection.subject, state)
@@ -78,7 +79,7 @@ class LiveRun:
         )
         with self._lock:
             self._drop_jobs()
-            self._run, self._inputs = Run(selection.subject, scene, (left, right)), inputs(state)
+            self._run, self._inputs = Run(selection.subject, scene, (left, right)), (subject, *inputs(state))
             self._jobs = {
                 side: self._job(entry, selection, state, scene)
                 for side, entry in enumerate(selection.entries)

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ido.clouds import local_normals
+from ido.clouds import Cloud, local_normals
 from ido.types import FloatArray, IntArray
 from ido_viz.core.geometry import upright
 from ido_viz.core.library import Subject
@@ -33,16 +33,24 @@ class ModelPicture:
     shades: FloatArray
 
 
-@lru_cache(maxsize=8)
 def picture_of(subject: Subject) -> ModelPicture:
-    """The picture of a shape."""
+    """The picture of a shape: the same one for the same cloud, whatever was learned on it since."""
+    return _surface_picture(subject) if subject.surface() is not None else _points_picture(subject.cloud(), subject.up)
+
+
+@lru_cache(maxsize=8)
+def _surface_picture(subject: Subject) -> ModelPicture:
     surface = subject.surface()
-    if surface is not None:
-        vertices, faces = surface
-        return ModelPicture(vertices, faces, np.ones(len(vertices)))
-    points = subject.cloud().points
+    assert surface is not None
+    vertices, faces = surface
+    return ModelPicture(vertices, faces, np.ones(len(vertices)))
+
+
+@lru_cache(maxsize=8)
+def _points_picture(cloud: Cloud, up: tuple[float, float, float]) -> ModelPicture:
+    points = cloud.points
     some = np.random.default_rng(0).choice(len(points), min(MOST_POINTS, len(points)), replace=False)
     drawn = points[np.sort(some)]
-    normals = local_normals(drawn, np.array(subject.up))
-    light = upright(subject.up).inv().apply(_LIGHT / np.linalg.norm(_LIGHT))
+    normals = local_normals(drawn, np.array(up))
+    light = upright(up).inv().apply(_LIGHT / np.linalg.norm(_LIGHT))
     return ModelPicture(drawn, np.zeros((0, 3), dtype=np.int64), 0.5 + 0.5 * (normals @ light))

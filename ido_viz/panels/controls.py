@@ -17,6 +17,7 @@ from ido_viz.core.library import Library
 from ido_viz.core.run import start_size
 from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, NO_START, BinOrder, Overlay, Part, State
 from ido_viz.panels.playback import PREPARING, Playback
+from ido_viz.panels.reach import reach_html
 from ido_viz.panels.readout import readout_html
 from ido_viz.panels.sharing import ShareFolder
 
@@ -26,8 +27,8 @@ _HINTS = {
     "points": "Points drawn from the full cloud, before some are removed.",
     "outliers": "Points added that belong to nothing.",
     "incomplete": "Share of the points removed, all on one side of a random plane.",
-    "rotation": "Angle in degrees about a random axis. The maps are trained on up to 90°.",
-    "translation": "Distance in a random direction, in model units. The maps are trained on up to 0.3.",
+    "rotation": "Angle in degrees about a random axis.",
+    "translation": "Distance in a random direction, in model units.",
 }
 
 
@@ -103,6 +104,8 @@ class Controls:
                 marks=((kind(getattr(paper, name)), f"{getattr(paper, name):g}"),),
                 hint=_HINTS[name] + " The mark is the paper's default.",
             )
+
+        self._reach = gui.add_html("")
 
     def _draw_of_scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
         self._inputs["outlier_kind"] = gui.add_dropdown(
@@ -214,10 +217,12 @@ class Controls:
             outlier_kind=value["outlier_kind"],
             seed=_within(value["seed"], 0, LARGEST_SEED, 0),
         )
-        known = self._library.methods(value["shape"])
+        known_shapes = self._library.subjects
+        shape = value["shape"] if value["shape"] in known_shapes else next(iter(known_shapes))  # it was deleted
+        known = self._library.methods(shape)
         newest = replace(
             state,
-            shape=value["shape"],
+            shape=shape,
             perturbation=perturbation,
             start=start,
             replay=value["replay"],
@@ -247,6 +252,7 @@ class Controls:
         for name in ("left", "right"):
             if self._inputs[name].options != known:
                 self._inputs[name].options = known
+        self._offer_shapes()
         values = _widget_values(state)
         self._inputs["pinned_map"].max = max(self._inputs["pinned_map"].max, state.pinned_map)
         for name, value in values.items():
@@ -255,8 +261,17 @@ class Controls:
 
         self._share.show(state)
 
+    def _offer_shapes(self) -> None:
+        shapes, menu = tuple(self._library.subjects), self._inputs["shape"]
+        if menu.options != shapes:
+            menu.options, menu.hint = shapes, self._shape_hint()
+
     def draw(self, frame: Frame, *, may_cancel: bool) -> None:
         """Write what only shows: the readouts and the labels."""
+        self._offer_shapes()
+        reach = reach_html(frame)
+        if self._reach.content != reach:
+            self._reach.content = reach
         self._playback.draw(frame)
         readout = readout_html(frame)
         if self._readout.content != readout:

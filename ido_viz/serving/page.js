@@ -86,4 +86,41 @@
     },
     true,
   );
+
+  // What is larger than the server takes is refused before it is sent. A file that is dropped on an upload button is
+  // as if it were chosen there.
+  const MOST_UPLOAD = 64 << 20;
+  addEventListener(
+    "change",
+    (event) => {
+      const file = event.target.type === "file" && event.target.files?.[0];
+      if (!file || (file.size > 0 && file.size <= MOST_UPLOAD)) return;
+      event.stopImmediatePropagation();
+      alert(
+        file.size
+          ? `${file.name} has ${Math.ceil(file.size / 2 ** 20)} MB, and at most 64 MB can be uploaded. Thin it first, ` +
+              "or start the explorer with ido-viz --cloud FILE."
+          : `${file.name} is empty.`,
+      );
+    },
+    true,
+  );
+  const dropped = (event) => {
+    const button = event.target.closest?.(".mantine-Button-root");
+    const input = button?.parentElement?.querySelector("input[type=file]");
+    if (!input || !event.dataTransfer?.types.includes("Files")) return null;
+    event.preventDefault();
+    return input;
+  };
+  addEventListener("dragover", dropped, true);
+  addEventListener(
+    "drop",
+    (event) => {
+      const input = dropped(event);
+      if (!input) return;
+      input.files = event.dataTransfer.files;
+      input.dispatchEvent(new Event("change", { bubbles: true }));
+    },
+    true,
+  );
 })();

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import time
-from typing import Any
+from typing import Any, TypeGuard
 
 import msgspec
 from websockets.asyncio.server import ServerConnection
 from websockets.typing import Data
 
-LARGEST = 2**18
-"""Bytes of a message; a page that was dragged about sent 223 at most, and what is pasted is longer."""
+from ido_viz.serving.uploads import UploadGate
+
+LARGEST = 2**20
+"""Bytes of a message; a part of an upload has half of that."""
+
+_LARGEST_ELSE = 2**18  # a page that was dragged about sent 223 at most, and what is pasted is longer
 
 RATE = 250
 """Messages a second that are taken in the long run; a page whose camera was dragged about sent 49 at most."""
@@ -30,7 +34,10 @@ _USED = frozenset(
         "TransformControlsDragEndMessage",
     }
 )
-"""Kinds that our pages may send; viser acts on more: uploads, forms that it repeats to all, requests for a tunnel."""
+"""Kinds that our pages may send; viser acts on more: forms that it repeats to all, requests for a tunnel."""
+
+_UPLOAD = frozenset({"FileTransferStartUpload", "FileTransferPart"})
+"""Kinds that go through the gate for uploads."""
 
 
 class _Head(msgspec.Struct):
@@ -47,13 +54,14 @@ class BoundedConnection(ServerConnection):
         super().__init__(*arguments, **settings)
         self._allowance = float(BURST)
         self._counted = time.monotonic()
+        self._uploads = UploadGate()
 
     async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
         """The next message that is let through."""
         while True:
             message = await super().recv(decode)
             await self._wait_for_turn()
-            if is_used(message):
+            if is_used(message) or (is_upload(message) and self._uploads.lets_through(message)):
                 return message
 
     async def _wait_for_turn(self) -> None:
@@ -66,10 +74,20 @@ class BoundedConnection(ServerConnection):
 
 def is_used(message: Data) -> bool:
     """Whether a message is of a kind that our pages send, and of a widget changes the value alone."""
+    head = _head(message) if len(message) <= _LARGEST_ELSE else None
+    return head is not None and head.type in _USED and head.updates.keys() <= {"value"}
+
+
+def is_upload(message: Data) -> TypeGuard[bytes]:
+    """Whether a message is about an upload."""
+    head = _head(message)
+    return head is not None and head.type in _UPLOAD
+
+
+def _head(message: Data) -> _Head | None:
     if not isinstance(message, bytes):
-        return False
+        return None
     try:
-        head = msgspec.msgpack.decode(message, type=_Head)
+        return msgspec.msgpack.decode(message, type=_Head)
     except msgspec.MsgspecError:
-        return False
-    return head.type in _USED and head.updates.keys() <= {"value"}
+        return None

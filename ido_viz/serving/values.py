@@ -57,6 +57,8 @@ def refusal(widget: Any, value: object) -> str | None:
     if options is not None:
         return None if value in options else f"{_shown(value)} is not on offer; choose from the list."
     now = widget.value
+    if isinstance(now, viser.UploadedFile):
+        return "a file is chosen with its button."
     if isinstance(now, str):
         usable = isinstance(value, str) and len(value) <= LONGEST_TEXT
         return None if usable else f"it takes text, of {LONGEST_TEXT} letters at most."

@@ -130,7 +130,7 @@ class HeadlessTab:
         await self._connection.send(msgspec.msgpack.encode(message))
 
     async def set(self, label: str, value: Any) -> None:
-        """Move a widget, or press a button of a group."""
+        """Move a widget."""
         if self._asked is None:
             self._asked = time.perf_counter()
         await self.send(type="GuiUpdateMessage", uuid=self.named(label), updates={"value": value})
@@ -138,6 +138,11 @@ class HeadlessTab:
     async def press(self, label: str) -> None:
         """Press a button."""
         await self.send(type="GuiUpdateMessage", uuid=self.named(label), updates={"value": True})
+
+    async def push(self, option: str) -> None:
+        """Press a button of a group."""
+        (uuid,) = (uuid for uuid, each in self.widgets.items() if "Group" in each.kind and option in each.options)
+        await self.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": option})
 
     async def trigger(self, label: str) -> None:
         """Give a command, as a key does."""

@@ -19,6 +19,7 @@ from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library, Subject, shipped_library
 from ido_viz.core.run import Run, make_scene
 from ido_viz.core.state import State
+from ido_viz.own.workshop import Workshop
 from ido_viz.session import Session
 
 PATIENCE = 40.0  # seconds; only a failing test waits that long
@@ -63,7 +64,7 @@ class Widgets:
 class Tab:
     """A browser tab as its session knows it, with widgets that hold values, and a person who uses them."""
 
-    def __init__(self, state: State = PAUSED) -> None:
+    def __init__(self, state: State = PAUSED, library: Library | None = None) -> None:
         self.client_id = id(self)
         self.frames: list[Drawn] = []
         self.moves: list[Frame] = []
@@ -76,7 +77,7 @@ class Tab:
         self.shared: State | None = None
         self.actions = cast(Actions, None)
         self.last_sign_of_life = time.perf_counter()
-        self.session = Session(cast(viser.ClientHandle, self), shipped_library(), state)
+        self.session = Session(cast(viser.ClientHandle, self), library or shipped_library(), state)
         self.session.start()
 
     def atomic(self) -> AbstractContextManager[None]:
@@ -126,7 +127,9 @@ class PageOfTab:
 
     fail_reading = False
 
-    def __init__(self, tab: Tab, library: Library, state: State, actions: Actions, step: str) -> None:
+    def __init__(
+        self, tab: Tab, library: Library, state: State, actions: Actions, step: str, workshop: Workshop | None
+    ) -> None:
         self.tab = tab
         tab.widgets, tab.actions = state, actions
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ido import Cloud, FrontBack, Maps, Model, TrainingSettings, TripleBinary, poses, register_batch, train, training
-from ido.training import solve, training_scenes
+from ido.training import Learner, solve, training_scenes
 from ido.types import FloatArray
 
 SMALL = TrainingSettings(samples=250, maps=4, seed=3)
@@ -156,3 +156,31 @@ def test_maps_remember_the_cloud_and_the_settings(bunny: Cloud, small_maps: Maps
     assert small_maps.maps.dtype == np.float32
     assert small_maps.maps.shape == (8, 6, small_maps.histogram.n_bins)
     assert small_maps.version
+
+
+def test_what_is_learned_so_far_are_the_first_maps_of_the_whole(bunny: Cloud, small_model: Model, trained: Maps):
+    learner = Learner(bunny, FrontBack(small_model), SMALL, scenes=training_scenes(bunny, SMALL))
+    for count in (1, 2):
+        learner.learn()
+        so_far = learner.maps()
+        assert learner.learned == count and not so_far.complete
+        np.testing.assert_array_equal(so_far.maps, trained.maps[:count])
+        np.testing.assert_array_equal(so_far.curves.mean, trained.curves.mean[: count + 1])
+        assert learner.error == trained.curves.mean[count]
+
+
+@pytest.mark.parametrize(("rotation", "translation"), [(180.0, 1.0), (20.0, 0.05)])
+def test_scenes_are_drawn_from_the_whole_range_and_not_beyond(bunny: Cloud, rotation: float, translation: float):
+    settings = replace(SMALL, rotation=rotation, translation=translation)
+    T_model_scene = poses.exp(training_scenes(bunny, settings)[1])
+    traces = np.trace(T_model_scene[:, :3, :3], axis1=1, axis2=2)
+    turns = np.degrees(np.arccos(np.clip((traces - 1) / 2, -1, 1)))
+    shifts = np.linalg.norm(T_model_scene[:, :3, 3], axis=1)
+    assert 0.95 * rotation < turns.max() <= rotation + 1e-3
+    assert 0.95 * translation < shifts.max() <= translation + 1e-6
+
+
+@pytest.mark.parametrize("beyond", [{"rotation": 181.0}, {"translation": 1.1}, {"rotation": -1.0}])
+def test_a_training_range_that_no_slider_has_is_refused(beyond: dict[str, float]):
+    with pytest.raises(ValueError, match="must lie between 0 and"):
+        replace(SMALL, **beyond)

@@ -81,7 +81,7 @@ def test_an_own_method_stands_on_every_shape_and_is_shown(bunny: Cloud, small_ma
         ({"points": 1.5}, "points must be a whole number"),
         ({"rotation": "90"}, "."),
         ({"left": "no such method"}, "cannot register"),
-        ({"shape": "teapot"}, "unknown shape"),
+        ({"shape": "teapot"}, "there is no shape"),
         ({"speed": 900}, "speed must lie between"),
         ({"code": "ido1-damaged"}, "damaged"),
         ({"lesson": "none such"}, "unknown lesson"),

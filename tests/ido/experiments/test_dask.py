@@ -9,9 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from ido import Perturbation, cli, perturb, shipped_cloud
+from ido import Maps, Perturbation, cli, perturb, shipped_cloud
 from ido.experiments import commands
 from ido.experiments.execution import Experiment, run_chunk
 from ido.experiments.store import Row, Store
@@ -89,3 +90,25 @@ def test_a_folder_of_scans_is_registered_on_the_cluster_as_it_is_here(cluster: A
         found.append(sorted(output.read_text().splitlines()))
     assert len(found[0]) == 4
     assert found[0] == found[1]
+
+
+def test_maps_that_a_cluster_helped_to_learn_are_those_that_are_learned_here(cluster: Any, tmp_path: Path):
+    learned = []
+    for name, who in (("here", ()), ("there", ("--dask", cluster.scheduler_address))):
+        output = tmp_path / f"{name}.npz"
+        args = [
+            "train",
+            "bunny",
+            "-o",
+            str(output),
+            "--histogram",
+            "front-back",
+            "--samples",
+            "60",
+            "--maps",
+            "2",
+            *who,
+        ]
+        assert cli.main(args) is None
+        learned.append(Maps.load(output).maps)
+    np.testing.assert_allclose(learned[0], learned[1], rtol=0, atol=1e-5 * np.abs(learned[0]).max())

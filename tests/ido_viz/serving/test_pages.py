@@ -16,6 +16,7 @@ from headless import PROTOCOL, HeadlessTab
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from ido import Perturbation
 from ido_viz.app import App
 from ido_viz.core.state import State, encode
 from ido_viz.page import Page
@@ -48,19 +49,19 @@ def wait(what: str, until: Callable[[], object]) -> None:
 def test_a_page_that_comes_back_finds_what_was_computed_and_what_it_can_undo(app: App):
     name, other = f"?page={'a' * 32}", f"?page={'b' * 32}"
 
-    async def visit(query: str, *changes: int) -> HeadlessTab:
+    async def visit(query: str, **changes: float) -> HeadlessTab:
         tab = HeadlessTab(f"{app.url}/{query}")
         await tab.open()
-        for rotation in changes:
-            await tab.set("Rotation", rotation)
+        for slider, value in changes.items():
+            await tab.set(slider, value)
             await asyncio.sleep(1.2)  # changes that follow each other at once are undone at once
         return tab
 
     async def come_back() -> None:
-        tab = await visit(name, 30, 50)
+        tab = await visit(name, Rotation=30, Noise=0.02)
         (session,) = app._sessions.values()
         state, run = session._state, session._run
-        assert state.perturbation.rotation == 50
+        assert (state.perturbation.rotation, state.perturbation.noise) == (30, 0.02)
         await tab.close()
         await tab.until("the end of the thread", lambda: session.can_come_back)
         fragment = quote(f"state={encode(state)}")
@@ -70,8 +71,8 @@ def test_a_page_that_comes_back_finds_what_was_computed_and_what_it_can_undo(app
         tab = await visit(f"{name}&fragment={fragment}")
         await tab.until("the session", lambda: session in app._sessions.values())
         assert session._run is run
-        await tab.set("Change", "Undo")
-        await tab.until("the change before", lambda: session._state.perturbation.rotation == 30)
+        await tab.push("Undo")
+        await tab.until("the change before", lambda: session._state.perturbation == Perturbation(rotation=30))
         await tab.close()
 
     asyncio.run(come_back())

@@ -163,7 +163,11 @@ def test_a_file_of_windows_is_read(tmp_path: Path):
         ("rotation = 20", "rotation = 900", "01-seen.toml, step 1: rotation must lie between 0 and 180, not 900"),
         ("rotation = 20", 'rotation = "20"', "01-seen.toml, step 1: rotation must be a number, not '20'"),
         ("rotation = 20", 'left = "CPD, tunde"', "01-seen.toml, step 1: 'CPD, tunde' cannot register 'bunny'"),
-        ("rotation = 20", 'shape = "teapot"', "01-seen.toml, step 1: unknown shape 'teapot'; known: bunny, urban"),
+        (
+            "rotation = 20",
+            'shape = "teapot"',
+            "01-seen.toml, step 1: there is no shape 'teapot' on this server",
+        ),
         ('["view"]', '["views"]', "01-seen.toml, step 1: hidden must name parts of the page"),
         ("rotation = 20", "rotation 20", r"01-seen.toml: not TOML: .*\(at line 17, column 10\)"),
         ('title = "Seen"', "", "01-seen.toml: 'title' is missing; give text in quotes"),
@@ -288,7 +292,7 @@ def test_the_command_tells_a_mistake_before_anything_is_opened(
 ):
     saved(LESSON.replace("rotation = 20", "rotation = 900"), tmp_path / "01-seen.toml")
     monkeypatch.setattr(app, "lessons", lambda: load_lessons(tmp_path))
-    monkeypatch.setattr(sys, "argv", ["ido-viz", "--no-open", "--port", "0"])
+    monkeypatch.setattr(sys, "argv", ["ido-viz", "--no-open", "--port", "0", "--data", str(tmp_path / "data")])
     assert command.run() == 2
     assert re.fullmatch(r"ido-viz: 01-seen\.toml, step 1: rotation must lie .*\n", capsys.readouterr().err)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from ido_viz.core.kept import Kept
+from ido_viz.core.keeping import Kept
 
 PATIENCE = 10.0  # seconds; only a failing test waits that long
 

@@ -1,0 +1,79 @@
+"""The tab Own cloud: from a file to a shape of the page, trained, kept, judged and registered to."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import viser
+
+from ido_viz.core.state import State
+from ido_viz.own.draft_folder import DraftFolder
+from ido_viz.own.kept_folder import KeptFolder
+from ido_viz.own.own_scan_folder import OwnScanFolder
+from ido_viz.own.preview import Preview
+from ido_viz.own.train_folder import TrainFolder
+from ido_viz.own.workshop import Workshop
+
+NAME = "Own cloud"
+
+
+class OwnCloudTab:
+    """The parts of the tab, one below the other.
+
+    Args:
+        client: the page.
+        workshop: of the server.
+        state: what the page begins with.
+        show_shape: called with the name of a shape that the panes are to show.
+        show_panes: hides or shows the panes.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        workshop: Workshop,
+        state: State,
+        show_shape: Callable[[str], None],
+        show_panes: Callable[[bool], None],
+    ) -> None:
+        self._workshop, self._state, self._show_shape = workshop, state, show_shape
+        self._turn = threading.Lock()  # the queue tells on its thread, the page draws on another
+        gui = client.gui
+        self._preview = Preview(client, show_panes, dark=state.dark)
+        self._draft = DraftFolder(gui, workshop, self._preview, self._estimate)
+        self._train = TrainFolder(client, workshop, state, self._draft, self._show)
+        self._scan = OwnScanFolder(client, workshop, self._preview, lambda: self._state.shape)
+        self._kept = KeptFolder(client, workshop, self._show)
+
+    def begin(self) -> None:
+        """Show what is there already, once the page is built."""
+        self.refresh()
+        draft = self._workshop.draft
+        if draft is not None:
+            self._draft.begin(draft, None)
+            threading.Thread(target=lambda: self._draft.set_cost(self._workshop.draft_cost), daemon=True).start()
+
+    def refresh(self) -> None:
+        """Show how far the trainings are, and what is kept."""
+        with self._turn:
+            self._train.refresh()
+            self._kept.refresh()
+
+    def draw(self, state: State) -> None:
+        """Draw in the colours of a page."""
+        before, self._state = self._state, state
+        if state.dark != before.dark or state.large_text != before.large_text:
+            self._preview.dark = state.dark
+            with self._turn:
+                self._train.draw(state)
+            self._draft.redraw()
+
+    def _estimate(self) -> None:
+        self._train.show_estimate()
+
+    def _show(self, name: str) -> None:
+        """Have the panes show a cloud."""
+        self._draft.end_preview()
+        self._scan.end_preview()
+        self._show_shape(name)

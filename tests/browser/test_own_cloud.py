@@ -1,0 +1,71 @@
+"""One's own cloud in a real page: from the file to the panes, a scan of it, and its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from explorer import AT_THE_START, SMALL, Explorer
+from playwright.sync_api import Browser, ViewportSize, expect
+
+from ido import Cloud
+from ido_viz.app import App
+from ido_viz.own.plans import PLANS, Plan
+
+NAME = "<b>half bunny</b>"
+
+
+@pytest.fixture
+def explorer(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Explorer]:
+    """A page whose quick training is very quick."""
+    monkeypatch.setitem(PLANS, "quick", Plan(20.0, 3, 100))
+    app = App(replace(AT_THE_START, dark=True), port=0, data=tmp_path / "data")
+    page = browser.new_page(viewport=ViewportSize(width=SMALL[0], height=SMALL[1]))
+    explorer = Explorer(app, page)
+    yield explorer.open()
+    page.close()
+    app.stop()
+    assert explorer.errors == []
+
+
+def upload(explorer: Explorer, button: str, file: Path) -> None:
+    with explorer.page.expect_file_chooser() as chooser:
+        explorer.page.get_by_role("button", name=button, exact=True).click()
+    chooser.value.set_files(file)
+
+
+def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: Explorer, bunny: Cloud, tmp_path: Path):
+    page = explorer.page
+    points = bunny.points[bunny.points[:, 0] > -0.2][::200] * 100.0
+    np.savetxt(tmp_path / "cloud.xyz", points)
+    np.savetxt(tmp_path / "scan.xyz", points[points[:, 1] > -40.0] + 3.0)
+    explorer.open_tab("Own cloud")
+
+    upload(explorer, "Upload a cloud", tmp_path / "cloud.xyz")
+    page.get_by_text(f"{len(points)} points read").wait_for()
+    assert page.locator(".over-canvas").first.evaluate("box => getComputedStyle(box).visibility") == "hidden"
+    explorer.type_into("Name", NAME)
+    page.get_by_text("maps of each method on 100 scenes").wait_for()
+
+    explorer.press("Train")
+    explorer.wait_until("the shape", lambda: explorer.field("Shape").input_value() == NAME)
+    page.get_by_text("trained and kept").wait_for()
+    assert explorer.methods() == ("DO", "Improved DO")
+    assert page.locator("b", has_text="half bunny").filter(has_not_text="<b>").count() == 0
+
+    explorer.wait_until("its code", lambda: explorer.state().shape == NAME)
+
+    upload(explorer, "Upload a scan", tmp_path / "scan.xyz")
+    page.get_by_text("histogram distance").wait_for()
+    with page.expect_download() as download:
+        explorer.press("Moved scan (.ply)")
+    assert download.value.suggested_filename == "ido-moved.ply"
+
+    explorer.press("Delete")
+    explorer.press("Delete it")
+    explorer.wait_until("another shape", lambda: explorer.field("Shape").input_value() == "bunny")
+    expect(page.get_by_role("alert").filter(has_text="This cloud is gone")).to_be_visible()
+    assert list((tmp_path / "data").glob("*.npz")) == []
