@@ -1,0 +1,102 @@
+"""The search: every rotation of a set with all translations at once, by fast Fourier transforms (docs/global.md, Eq. 3)."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import irfftn, rfftn
+from scipy.spatial.transform import Rotation
+
+from ido.compiling import compiled
+from ido.global_registration.background import Background
+from ido.global_registration.fields import REACH, Field, deposit, read
+from ido.perturbation import OUTLIER_REACH
+from ido.types import DoubleArray, FloatArray
+
+SIDE = 4.0
+"""Length of the cube, periodic, that translations are searched in (model units)."""
+
+_FINE, _COARSE = 32, 20  # cells a side: where points are counted, and where translations are told apart
+_BATCH = 32  # rotations at a time, whose transforms stay in the processor's cache
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """The turned models' transforms, made once for a model.
+
+    Args:
+        rotations: R of T_model_scene, shape (n, 3, 3).
+        spectra: conjugate transforms of the turned score fields, low frequencies alone, (n, c, c, c // 2 + 1), complex64.
+    """
+
+    rotations: DoubleArray
+    spectra: np.ndarray
+
+    @classmethod
+    def of(cls, field: Field, n_rotations: int) -> Search:
+        """The search for a model's field: a point of density p scores log(1 + p / 2u), u that of scattered outliers."""
+        uniform = 1 / (2 * OUTLIER_REACH) ** 3
+        scores = np.log1p(field.density / np.float32(2 * uniform))
+        rotations = spread_rotations(n_rotations)
+        axis = np.fft.fftfreq(_FINE, 1 / SIDE).astype(np.float32)
+        lattice = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+
+        def spectrum(R: DoubleArray) -> np.ndarray:
+            turned = np.empty(len(lattice), dtype=np.float32)
+            read(lattice @ R.T.astype(np.float32), scores, REACH, field.step, turned)
+            return _low(rfftn(turned.reshape(_FINE, _FINE, _FINE))).conj()
+
+        with ThreadPoolExecutor() as pool:
+            return cls(rotations, np.stack(list(pool.map(spectrum, rotations))))
+
+    def __call__(self, points: FloatArray, background: Background) -> tuple[DoubleArray, FloatArray]:
+        """The best translation of each rotation, for points (S, 3) near the origin.
+
+        Returns:
+            poses T_model_scene, shape (n, 4, 4), and their scores, shape (n,).
+        """
+        counts = np.zeros((_FINE + 1,) * 3, dtype=np.float32)
+        deposit(np.ascontiguousarray(points, dtype=np.float32), 1 - background.in_ball, SIDE / 2, SIDE / _FINE, counts)
+        for axis in range(3):  # the last corners are the first ones again
+            first = [slice(None)] * axis + [0]
+            counts[tuple(first)] += counts[tuple([*first[:-1], _FINE])]
+        scene = _low(rfftn(np.ascontiguousarray(counts[:_FINE, :_FINE, :_FINE])))
+
+        def best(begin: int) -> tuple[np.ndarray, np.ndarray]:
+            batch = self.spectra[begin : begin + _BATCH] * scene
+            scores = irfftn(batch, s=(_COARSE,) * 3, axes=(1, 2, 3), overwrite_x=True).reshape(len(batch), -1)
+            found = scores.argmax(axis=1)
+            return found, scores[np.arange(len(found)), found]
+
+        with ThreadPoolExecutor() as pool:
+            parts = list(pool.map(best, range(0, len(self.spectra), _BATCH)))
+        cells = np.concatenate([found for found, _ in parts])
+        steps = np.stack(np.unravel_index(cells, (_COARSE,) * 3), axis=1)
+        # the scene was counted from the corner of the cube, the model from its middle
+        centres = np.fft.fftfreq(_COARSE, 1 / SIDE)[steps] - SIDE / 2
+        centres = (centres + SIDE / 2) % SIDE - SIDE / 2
+        T = np.tile(np.eye(4), (len(centres), 1, 1))
+        T[:, :3, :3] = self.rotations
+        T[:, :3, 3] = -np.einsum("nij,nj->ni", self.rotations, centres)
+        return T, np.concatenate([scores for _, scores in parts])
+
+
+def spread_rotations(n: int) -> DoubleArray:
+    """Rotations spread evenly over all (super-Fibonacci spirals, Alexa 2022); shape (n, 3, 3)."""
+    s = np.arange(n) + 0.5
+    first, second = np.sqrt(2.0), 1.533751168755204288118041  # the real root of x⁴ = x + 4
+    inner, outer = np.sqrt(s / n), np.sqrt(1 - s / n)
+    a, b = 2 * np.pi * s / first, 2 * np.pi * s / second
+    quaternions = np.stack([inner * np.sin(a), inner * np.cos(a), outer * np.sin(b), outer * np.cos(b)], axis=1)
+    return Rotation.from_quat(quaternions).as_matrix()
+
+
+def _low(spectrum: np.ndarray) -> np.ndarray:
+    """The low frequencies of a transform on the fine grid, as one on the coarse grid has them."""
+    half = _COARSE // 2
+    kept = np.concatenate([np.arange(half), np.arange(_FINE - half, _FINE)])
+    low = spectrum[np.ix_(kept, kept, np.arange(half + 1))]
+    low[half, :, :] = low[:, half, :] = low[:, :, half] = 0  # which have no counterpart
+    return np.ascontiguousarray(low)
