@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -10,12 +10,13 @@ from scipy.spatial import KDTree
 from ido.compiling import compiled
 from ido.global_registration.settings import GlobalSettings
 from ido.perturbation import OUTLIER_REACH, STRUCTURED_DEVIATION
-from ido.types import BoolArray, DoubleArray, FloatArray
+from ido.types import DoubleArray, FloatArray, IntArray
 
 _LEAST_SHARE = 0.08  # of a ball: fewer points are no ball, but a dense part of the scene
 _LEAST_ROUND = 0.5  # least variance of a ball along any direction, as part of the greatest
+_LARGEST = 1.15 * STRUCTURED_DEVIATION[1]
 _STEPS = 30
-_PLACES, _NEAR = 4, 0.2
+_PLACES, _NEAR = 5, 0.2
 _MOST = 600  # points that a ball is fitted to
 
 
@@ -26,13 +27,11 @@ class Background:
     Args:
         uniform: of outliers scattered evenly, per cubic model unit.
         ball: of outliers in a ball, at each scene point, shape (S,), float32; zeros where there is no ball.
-        ball_share: share of the scene's points in the ball; 0 where there is none.
         in_ball: probability that each scene point is of the ball, shape (S,), float32.
     """
 
     uniform: float
     ball: FloatArray
-    ball_share: float
     in_ball: FloatArray
 
     @classmethod
@@ -43,36 +42,44 @@ class Background:
             volume = (2 * OUTLIER_REACH) ** 3
         else:
             volume = float(np.prod(np.maximum(np.ptp(points, axis=0), 0.1)))
-        nothing = np.zeros(len(points), dtype=np.float32)
+        ball = member = np.zeros(len(points))
         if settings.ball:
-            share, density, member = _ball(points, 1 / volume)
-            if share > _LEAST_SHARE:
-                return cls(1 / volume, density.astype(np.float32), share, member.astype(np.float32))
-        return cls(1 / volume, nothing, 0.0, nothing)
+            ball, member = _ball(points, 1 / volume)
+        return cls(1 / volume, ball.astype(np.float32), member.astype(np.float32))
 
-    def part(self, chosen: BoolArray | np.ndarray) -> Background:
+    @property
+    def has_ball(self) -> bool:
+        return bool(self.in_ball.any())
+
+    @property
+    def without_ball(self) -> Background:
+        """The same where every outlier is scattered."""
+        return replace(self, ball=np.zeros_like(self.ball), in_ball=np.zeros_like(self.in_ball))
+
+    def part(self, chosen: IntArray) -> Background:
         """That of the chosen points."""
-        return Background(self.uniform, self.ball[chosen], self.ball_share, self.in_ball[chosen])
+        return Background(self.uniform, self.ball[chosen], self.in_ball[chosen])
 
 
-def _ball(points: DoubleArray, uniform: float) -> tuple[float, DoubleArray, DoubleArray]:
-    """Fit a tight and a broad round Gaussian and the uniform density to the points, from each of a few dense places.
+def _ball(points: DoubleArray, uniform: float) -> tuple[DoubleArray, DoubleArray]:
+    """Fit a round Gaussian, one of any shape and the uniform density to the points, from each of a few dense places.
 
     Returns:
-        the tight one's share, its density at the points and each point's probability of it; shapes (S,). The share is
-        0 where what was found is not round, as a part of a surface is not.
+        the round one's density at the points and each point's probability of it, of the likeliest fit; shapes (S,).
+        Zeros where nothing round was found, as a part of a surface is not.
     """
-    few = points[:: -(-len(points) // _MOST)]
-    fits = np.array([fit_ball(few, centre, STRUCTURED_DEVIATION[1], uniform) for centre in _dense_places(few)])
-    _, share, deviation, *centre = fits[fits[:, 0].argmax()]
-    distance2 = ((points - centre[:3]) ** 2).sum(axis=1)
-    density = np.exp(-distance2 / (2 * deviation**2)) / (2 * np.pi * deviation**2) ** 1.5
-    broad_share, broad_deviation, *broad_centre = centre[3:]
-    broad = np.exp(-((points - broad_centre) ** 2).sum(axis=1) / (2 * broad_deviation**2))
-    broad *= broad_share / (2 * np.pi * broad_deviation**2) ** 1.5
-    member = share * density / (share * density + broad + (1 - share - broad_share) * uniform)
-    spread = np.linalg.eigvalsh(np.cov(points.T, aweights=member + 1e-9))
-    return (share if spread[0] > _LEAST_ROUND * spread[2] else 0.0), density, member
+    stride = -(-len(points) // _MOST)
+    few = np.ascontiguousarray(points[::stride])
+    highest, density, member = -np.inf, np.zeros(len(points)), np.zeros(len(points))
+    for place in _dense_places(few):
+        columns = np.zeros((3, len(points)))
+        likelihood, share = fit_ball(points, stride, place, _LARGEST, uniform, columns)
+        if likelihood <= highest or share < _LEAST_SHARE:
+            continue
+        spread = np.linalg.eigvalsh(np.cov(points.T, aweights=columns[1] + 1e-9))
+        if spread[0] > _LEAST_ROUND * spread[2]:
+            highest, density, member = likelihood, columns[0], columns[1]
+    return density, member
 
 
 def _dense_places(points: DoubleArray) -> DoubleArray:
@@ -86,57 +93,77 @@ def _dense_places(points: DoubleArray) -> DoubleArray:
 
 
 @compiled(error_model="numpy")
-def fit_ball(points: DoubleArray, centre: DoubleArray, largest: float, uniform: float) -> DoubleArray:
-    """Expectation maximisation of two round Gaussians and a uniform density.
+def fit_ball(
+    points: DoubleArray, stride: int, centre: DoubleArray, largest: float, uniform: float, out: DoubleArray
+) -> tuple[float, float]:
+    """Expectation maximisation of a round Gaussian, a Gaussian of any shape and a uniform density.
 
     Args:
         points: shape (S, 3).
-        centre: where the tight one starts, shape (3,).
-        largest: deviation that the tight one can have.
+        stride: every so manieth point is fitted to.
+        centre: where the round one starts, shape (3,).
+        largest: deviation that the round one can have.
         uniform: the density of scattered points.
+        out: shape (3, S): the density of the round one at all points, and their probability of it, are written to it.
 
     Returns:
-        the log-likelihood; then share, deviation and centre (3) of the tight one, and of the broad one; shape (11,).
+        the log-likelihood of the fitted points, and the round one's share.
     """
-    out = np.empty(11)
-    share = np.array([0.3, 0.4])
-    deviation = np.array([0.7 * largest, 0.6])
-    centres = np.empty((2, 3))
-    centres[0] = centre
+    n_fitted = -(-len(points) // stride)
+    share, broad_share, deviation = 0.3, 0.4, 0.7 * largest
+    round_centre, broad_centre, offset = centre.copy(), np.zeros(3), np.empty(3)
     for axis in range(3):
-        centres[1, axis] = points[:, axis].mean()
-    density, sums = np.empty(2), np.empty((2, 5))
-    for _ in range(_STEPS):
+        broad_centre[axis] = points[:, axis].mean()
+    covariance = 0.25 * np.eye(3)
+    likelihood = 0.0
+    sums, second = np.empty((2, 5)), np.empty((3, 3))
+    for iteration in range(_STEPS + 1):
+        last = iteration == _STEPS
+        inverse = np.linalg.inv(covariance)
+        broad = broad_share / np.sqrt((2 * np.pi) ** 3 * np.linalg.det(covariance))
+        tight = 1 / (2 * np.pi * deviation**2) ** 1.5
         sums[:] = 0.0
-        total_log = 0.0
-        for s in range(len(points)):
-            for g in range(2):
-                d2 = 0.0
-                for axis in range(3):
-                    d2 += (points[s, axis] - centres[g, axis]) ** 2
-                density[g] = share[g] * np.exp(-d2 / (2 * deviation[g] ** 2)) / (2 * np.pi * deviation[g] ** 2) ** 1.5
-            total = density[0] + density[1] + (1 - share[0] - share[1]) * uniform
-            total_log += np.log(total)
-            for g in range(2):
-                r = density[g] / total
-                sums[g, 0] += r
-                for axis in range(3):
-                    sums[g, 1 + axis] += r * points[s, axis]
-                    sums[g, 4] += r * points[s, axis] ** 2
-        out[0] = total_log
-        for g in range(2):
-            weight = max(sums[g, 0], 1e-9)
-            square = 0.0
+        second[:] = 0.0
+        likelihood = 0.0
+        for s in range(0, len(points), 1 if last else stride):
+            d2, form = 0.0, 0.0
             for axis in range(3):
-                centres[g, axis] = sums[g, 1 + axis] / weight
-                square += centres[g, axis] ** 2
-            deviation[g] = np.sqrt(max(sums[g, 4] / weight - square, 1e-6) / 3)
-            share[g] = min(weight / len(points), 0.95)
-        deviation[0] = min(max(deviation[0], 0.02), 1.15 * largest)
-        deviation[1] = max(deviation[1], 1.5 * deviation[0])
-        if share.sum() > 0.98:
-            share *= 0.98 / share.sum()
-    for g in range(2):
-        out[1 + 5 * g], out[2 + 5 * g] = share[g], deviation[g]
-        out[3 + 5 * g : 6 + 5 * g] = centres[g]
-    return out
+                d2 += (points[s, axis] - round_centre[axis]) ** 2
+                offset[axis] = points[s, axis] - broad_centre[axis]
+            for i in range(3):
+                for j in range(3):
+                    form += offset[i] * inverse[i, j] * offset[j]
+            density = tight * np.exp(-d2 / (2 * deviation**2))
+            first, other = share * density, broad * np.exp(-form / 2)
+            total = first + other + (1 - share - broad_share) * uniform
+            if s % stride == 0:
+                likelihood += np.log(total)
+            if last:
+                out[0, s], out[1, s] = density, first / total
+                continue
+            first, other = first / total, other / total
+            sums[0, 0] += first
+            sums[1, 0] += other
+            sums[0, 4] += first * (points[s, 0] ** 2 + points[s, 1] ** 2 + points[s, 2] ** 2)
+            for i in range(3):
+                sums[0, 1 + i] += first * points[s, i]
+                sums[1, 1 + i] += other * points[s, i]
+                for j in range(3):
+                    second[i, j] += other * points[s, i] * points[s, j]
+        if last:
+            break
+        weight, other = max(sums[0, 0], 1e-9), max(sums[1, 0], 1e-9)
+        square = 0.0
+        for i in range(3):
+            round_centre[i], broad_centre[i] = sums[0, 1 + i] / weight, sums[1, 1 + i] / other
+            square += round_centre[i] ** 2
+        for i in range(3):
+            for j in range(3):
+                covariance[i, j] = second[i, j] / other - broad_centre[i] * broad_centre[j]
+            covariance[i, i] += 1e-3
+        covariance *= max(1.0, 5 * largest**2 / np.trace(covariance))  # else both Gaussians share one ball
+        deviation = min(max(np.sqrt(max(sums[0, 4] / weight - square, 0.0) / 3), 0.05), largest)
+        share, broad_share = weight / n_fitted, other / n_fitted
+        if share + broad_share > 0.98:
+            share, broad_share = share * 0.98 / (share + broad_share), broad_share * 0.98 / (share + broad_share)
+    return likelihood, share

@@ -13,11 +13,8 @@ from ido.global_registration.background import Background
 from ido.global_registration.fields import REACH, Field
 from ido.types import DoubleArray, FloatArray
 
-OVER = 1.5
-"""Steps are made longer by this factor."""
-
-SHARES = (0.4, 0.2)
-"""Of the model and, where there is one, of the ball, before the first step."""
+_OVER = 1.5  # steps are made longer by this factor
+_MODEL_SHARE, _BALL_SHARE = 0.4, 0.2  # before the first step
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,14 +34,13 @@ class Climb:
     log_likelihood: DoubleArray
 
 
-def climb(
-    points: FloatArray, background: Background, field: Field, T: DoubleArray, shares: DoubleArray, steps: int
-) -> Climb:
-    """Climb from poses T (n, 4, 4) with shares (n, 2) by so many steps on one field, for points (S, 3)."""
+def climb(points: FloatArray, background: Background, field: Field, T: DoubleArray, steps: int) -> Climb:
+    """Climb from poses T (n, 4, 4) by so many steps on one field, for points (S, 3)."""
     points = np.ascontiguousarray(points, dtype=np.float32)
     track = np.tile(np.eye(4), (len(T), steps + 1, 1, 1))
     track[:, 0] = T
-    shares, log_likelihood = shares.copy(), np.empty((len(T), steps + 1))
+    shares = np.tile([_MODEL_SHARE, _BALL_SHARE if background.has_ball else 0.0], (len(T), 1))
+    log_likelihood = np.empty((len(T), steps + 1))
 
     def part(begin: int, end: int) -> None:
         climb_all(
@@ -52,7 +48,7 @@ def climb(
             background.ball,
             background.uniform,
             field.density,
-            np.array([REACH, field.step, field.sigma**2, OVER]),
+            np.array([REACH, field.step, field.sigma**2, _OVER]),
             track[begin:end],
             shares[begin:end],
             log_likelihood[begin:end],

@@ -8,7 +8,7 @@ import numpy as np
 
 from ido import poses
 from ido.global_registration.background import Background
-from ido.global_registration.climbing import SHARES, Climb, climb
+from ido.global_registration.climbing import Climb, climb
 from ido.global_registration.cut_plane import Refined, refine
 from ido.global_registration.fields import SIGMAS, Field
 from ido.global_registration.search import Search
@@ -28,7 +28,7 @@ class Rung:
     kept: int
 
 
-LADDER = (Rung(0.1, 5, 256, 120), Rung(0.065, 8, 256, 30), Rung(0.045, 12, 512, 5))
+LADDER = (Rung(0.1, 5, 256, 120), Rung(0.065, 8, 256, 30), Rung(0.045, 8, 384, 8))
 STARTS = 240
 LAST_STEPS = 15
 LAST_POINTS = 1500
@@ -78,22 +78,23 @@ class GlobalRegistration:
         chosen = np.argsort(-scores, kind="stable")[:STARTS]
         rng = np.random.default_rng(0)
         order = rng.permutation(len(points))
-        T, shares = T[chosen], np.tile(np.array([SHARES[0], SHARES[1] * (background.ball_share > 0)]), (len(chosen), 1))
+        order = order[np.argsort(background.in_ball[order] > 0.5, kind="stable")]
+        T = T[chosen]
         stages, kept = [], [chosen]
         for rung in LADDER:
             few = order[: rung.points]
-            stage = climb(centred[few], background.part(few), self.model.field(rung.sigma), T, shares, rung.steps)
+            stage = climb(centred[few], background.part(few), self.model.field(rung.sigma), T, rung.steps)
             best = np.argsort(-stage.log_likelihood[:, -1], kind="stable")
             best = best[: rung.kept] if rung is not LADDER[-1] else distinct(stage.poses[best, -1], best, rung.kept)
-            T, shares = stage.poses[best, -1], stage.shares[best]
+            T = stage.poses[best, -1]
             stages.append(stage)
             kept.append(best)
         few = order[:LAST_POINTS]
         last, part = centred[few], background.part(few)
         finals = []
         for fld in reversed(self.model.fields):
-            stage = climb(last, part, fld, T, shares, LAST_STEPS)
-            T, shares = stage.poses[:, -1], stage.shares
+            stage = climb(last, part, fld, T, LAST_STEPS)
+            T = stage.poses[:, -1]
             stages.append(stage)
             finals.append(stage)
         likelihood = np.stack([stage.log_likelihood[:, -1] for stage in finals])

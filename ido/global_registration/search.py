@@ -19,6 +19,7 @@ SIDE = 4.0
 """Length of the cube, periodic, that translations are searched in (model units)."""
 
 _FINE, _COARSE = 32, 20  # cells a side: where points are counted, and where translations are told apart
+_PEAKS = 2  # translations of each rotation
 _BATCH = 32  # rotations at a time, whose transforms stay in the processor's cache
 
 
@@ -66,21 +67,21 @@ class Search:
 
         def best(begin: int) -> tuple[np.ndarray, np.ndarray]:
             batch = self.spectra[begin : begin + _BATCH] * scene
-            scores = irfftn(batch, s=(_COARSE,) * 3, axes=(1, 2, 3), overwrite_x=True).reshape(len(batch), -1)
-            found = scores.argmax(axis=1)
-            return found, scores[np.arange(len(found)), found]
+            scores = irfftn(batch, s=(_COARSE,) * 3, axes=(1, 2, 3), overwrite_x=True)
+            return _peaks(scores)
 
         with ThreadPoolExecutor() as pool:
             parts = list(pool.map(best, range(0, len(self.spectra), _BATCH)))
-        cells = np.concatenate([found for found, _ in parts])
-        steps = np.stack(np.unravel_index(cells, (_COARSE,) * 3), axis=1)
+        cells = np.concatenate([found for found, _ in parts])  # (n, peaks, 3)
         # the scene was counted from the corner of the cube, the model from its middle
-        centres = np.fft.fftfreq(_COARSE, 1 / SIDE)[steps] - SIDE / 2
-        centres = (centres + SIDE / 2) % SIDE - SIDE / 2
+        centres = cells * (SIDE / _COARSE) - SIDE / 2
+        centres -= SIDE * np.floor(centres / SIDE + 0.5)
+        rotations = np.repeat(self.rotations, _PEAKS, axis=0)
+        centres = centres.reshape(-1, 3)
         T = np.tile(np.eye(4), (len(centres), 1, 1))
-        T[:, :3, :3] = self.rotations
-        T[:, :3, 3] = -np.einsum("nij,nj->ni", self.rotations, centres)
-        return T, np.concatenate([scores for _, scores in parts])
+        T[:, :3, :3] = rotations
+        T[:, :3, 3] = -np.einsum("nij,nj->ni", rotations, centres)
+        return T, np.concatenate([scores for _, scores in parts]).reshape(-1)
 
 
 def spread_rotations(n: int) -> DoubleArray:
@@ -91,6 +92,24 @@ def spread_rotations(n: int) -> DoubleArray:
     a, b = 2 * np.pi * s / first, 2 * np.pi * s / second
     quaternions = np.stack([inner * np.sin(a), inner * np.cos(a), outer * np.sin(b), outer * np.cos(b)], axis=1)
     return Rotation.from_quat(quaternions).as_matrix()
+
+
+def _peaks(scores: FloatArray) -> tuple[np.ndarray, FloatArray]:
+    """The highest cells of scores (n, c, c, c), each outside the neighbourhood of those before.
+
+    Returns:
+        the cells, shape (n, _PEAKS, 3), and their scores, shape (n, _PEAKS).
+    """
+    rows = np.arange(len(scores))
+    cells, heights = np.empty((len(scores), _PEAKS, 3), dtype=int), np.empty((len(scores), _PEAKS))
+    around = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    for peak in range(_PEAKS):
+        found = scores.reshape(len(scores), -1).argmax(axis=1)
+        cells[:, peak] = np.stack(np.unravel_index(found, scores.shape[1:]), axis=1)
+        heights[:, peak] = scores[rows, *cells[:, peak].T]
+        i, j, k = ((cells[:, peak, None] + around) % _COARSE).transpose(2, 0, 1)
+        scores[rows[:, None], i, j, k] = -np.inf
+    return cells, heights
 
 
 def _low(spectrum: np.ndarray) -> np.ndarray:
