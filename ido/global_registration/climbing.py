@@ -33,6 +33,10 @@ class Climb:
     shares: DoubleArray
     log_likelihood: DoubleArray
 
+    @property
+    def steps(self) -> int:
+        return self.log_likelihood.shape[1] - 1
+
 
 def climb(points: FloatArray, background: Background, field: Field, T: DoubleArray, steps: int) -> Climb:
     """Climb from poses T (n, 4, 4) by so many steps on one field, for points (S, 3)."""

@@ -21,6 +21,9 @@ _WITHIN = 0.97  # share of the explained points that the first plane keeps
 _UNIT = 0.02  # of the parameters: about as far as a pose may be from the top (rad, model units)
 _ITERATIONS = 40
 
+NO_PLANE = (np.array([1.0, 0.0, 0.0]), 1e3)
+"""Normal and offset of a plane beyond everything (model units)."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Refined:
@@ -43,29 +46,15 @@ class Refined:
     log_likelihood: float
 
 
-def refine(
-    points: FloatArray,
-    background: Background,
-    field: Field,
-    model: FloatArray,
-    T: DoubleArray,
-    shares: DoubleArray,
-    *,
-    cut: bool,
-) -> Refined:
+def refine(posterior: Posterior, T: DoubleArray, *, cut: bool) -> Refined:
     """Climb to the top from a pose near it, by quasi-Newton steps (BFGS) on pose and plane.
 
     Args:
-        points: the scene, shape (S, 3), model units.
-        background: its outliers.
-        field: the model's density, of the width that fits the noise.
-        model: points of the model, which measure how much of it a plane keeps, shape (M, 3).
+        posterior: the scene's.
         T: where to start, shape (4, 4).
-        shares: of the model and of the ball, shape (2,).
         cut: whether there may be a plane; else the pose alone is moved.
     """
-    posterior = Posterior(points, background, field, model, shares)
-    normal, offset = posterior.first_plane(T) if cut else (np.array([1.0, 0.0, 0.0]), 1e3)
+    normal, offset = posterior.first_plane(T) if cut else NO_PLANE
     tangents = np.linalg.svd(normal[None])[2][1:]
     free = 9 if cut else 6
 
@@ -90,12 +79,21 @@ def refine(
 
     found = minimize(value, np.zeros(free), jac=True, method="BFGS", options={"maxiter": _ITERATIONS, "gtol": 1e-5})
     moved, tilted, at = place(found.x)
-    return Refined(field.sigma, moved, tilted / np.linalg.norm(tilted), at, shares, -float(found.fun))
+    normal = tilted / np.linalg.norm(tilted)
+    return Refined(posterior.field.sigma, moved, normal, at, posterior.shares, -float(found.fun))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Posterior:
-    """The likelihood of a scene at a pose and a plane."""
+    """The likelihood of a scene at a pose and a plane.
+
+    Args:
+        points: the scene, shape (S, 3), float32, model units.
+        background: its outliers.
+        field: the model's density, of the width that fits the noise.
+        model: points of the model, which measure how much of it a plane keeps, shape (M, 3), float32.
+        shares: of the model and of the ball among the scene's points, shape (2,).
+    """
 
     points: FloatArray
     background: Background

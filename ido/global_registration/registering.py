@@ -1,7 +1,8 @@
-"""The global method: search, climb, refine, and choose; with all that was tried (docs/global.md, "Global")."""
+"""The global method: search, climb, refine and choose, with all that was tried (docs/global.md, "In steps")."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,127 +10,220 @@ import numpy as np
 from ido import poses
 from ido.global_registration.background import Background
 from ido.global_registration.climbing import Climb, climb
-from ido.global_registration.cut_plane import Refined, refine
-from ido.global_registration.fields import SIGMAS, Field
-from ido.global_registration.search import Search
+from ido.global_registration.cut_plane import NO_PLANE, Posterior, Refined, refine
+from ido.global_registration.model import GlobalModel
 from ido.global_registration.settings import GlobalSettings
 from ido.histograms import finite
 from ido.registration import StopReason, Trajectory, Watch
 from ido.types import DoubleArray, FloatArray, IntArray
 
-
-@dataclass(frozen=True, slots=True)
-class Rung:
-    """A part of the climb: on which field, how many steps, on how many points, and how many starts go on."""
-
-    sigma: float
-    steps: int
-    points: int
-    kept: int
-
-
-LADDER = (Rung(0.1, 5, 256, 120), Rung(0.065, 8, 256, 30), Rung(0.045, 8, 384, 8))
 STARTS = 240
-LAST_STEPS = 15
-LAST_POINTS = 1500
-REFINED = 3
-APART = (10.0, 0.12)
-"""Poses that differ by less than so many degrees and model units are one candidate."""
+"""Poses of the search that are climbed from, with and without a ball together."""
+
+LEAST_POINTS = 10
+"""A scene has at least so many points."""
+
+_FIRST = ((-1, 8, 256, 64), (-2, 10, 384, 10))  # field, steps, points, and how many starts go on
+_LAST_STEPS, _LAST_POINTS = 15, 1500
+_REFINED = 4
+_ALIKE = (10.0, 0.12)  # poses nearer to each other than so many degrees and model units are one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class GlobalModel:
-    """What scenes are registered onto: fields and search of one cloud, made once."""
+class Stage:
+    """A part of the climb.
 
-    fields: tuple[Field, ...]
-    search: Search
-    points: FloatArray
+    Args:
+        climb: what all its starts did. Start i is number ``kept[i]`` of the stage before.
+        kept: which starts of this stage went on, the best first; shape (n,).
+    """
 
-    @classmethod
-    def of(cls, points: FloatArray, settings: GlobalSettings) -> GlobalModel:
-        fields = tuple(Field.of(points, sigma) for sigma in SIGMAS)
-        few = np.random.default_rng(0).choice(len(points), min(len(points), 600), replace=False)
-        return cls(fields, Search.of(fields[-1], settings.rotations), points[few])
+    climb: Climb
+    kept: IntArray
 
-    def field(self, sigma: float) -> Field:
-        return self.fields[SIGMAS.index(sigma)]
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Branch:
+    """All that was tried with one background: with a ball where one was found, and without.
+
+    Poses are those of the centred scene; ``T @ GlobalResult.centring`` is a T_model_scene.
+
+    Args:
+        background: of the centred scene.
+        scores: of the poses that the climb starts from, in the search, shape (n,), the highest first.
+        stages: one after the other, the first from n starts.
+    """
+
+    background: Background
+    scores: FloatArray
+    stages: tuple[Stage, ...]
+
+    def lineage(self, start: int, end: int) -> DoubleArray:
+        """All poses of a start of stage `end`, from the search to the last one of that stage; shape (n, 4, 4)."""
+        parts = [self.stages[end].climb.poses[start]]
+        for stage in reversed(self.stages[:end]):
+            start = int(stage.kept[start])
+            parts.append(stage.climb.poses[start, :-1])
+        return np.concatenate(parts[::-1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """One of the poses that the method chooses from.
+
+    Args:
+        refined: the pose of the centred scene, and the plane.
+        branch: number of the branch that it comes from.
+        start: its number in the last stages of that branch.
+        stage: number of the stage whose width fits it best.
+    """
+
+    refined: Refined
+    branch: int
+    start: int
+    stage: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GlobalResult:
-    stages: tuple[Climb, ...]
-    kept: tuple[IntArray, ...]
-    candidates: tuple[Refined, ...]
-    background: Background
-    trajectory: Trajectory
+    """A registration from any start, with all that was tried.
+
+    Args:
+        centring: the pose (4, 4) that moved the scene's middle to the origin, before all else.
+        branches: what was tried.
+        candidates: the final poses, no two alike, the likeliest first: that is the one chosen.
+    """
+
+    centring: DoubleArray
+    branches: tuple[Branch, ...]
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def best(self) -> Refined:
+        return self.candidates[0].refined
+
+    @property
+    def T_model_scene(self) -> DoubleArray:
+        """The chosen pose, shape (4, 4)."""
+        return self.best.T @ self.centring
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The way of the chosen pose: from where the scene lies to a start of the search, and uphill from there."""
+        chosen = self.candidates[0]
+        climbed = self.branches[chosen.branch].lineage(chosen.start, chosen.stage)
+        T = np.concatenate([np.eye(4)[None], np.stack([*climbed, self.best.T]) @ self.centring])
+        motions = poses.log(T[1:] @ poses.invert(T[:-1]))
+        return Trajectory(poses.log(T), np.linalg.norm(motions, axis=1), StopReason.CONVERGED, np.nan)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GlobalRegistration:
+    """Registers from any start.
+
+    Args:
+        model: what scenes are registered onto.
+        settings: what is assumed of them.
+    """
+
     model: GlobalModel
     settings: GlobalSettings = field(default_factory=GlobalSettings)
 
-    def run(self, points: FloatArray, watch: Watch | None = None) -> GlobalResult:
+    def register(self, points: FloatArray, *, watch: Watch | None = None) -> Trajectory:
+        """Register one scene, points (S, 3) in model units; `run` has all that was tried.
+
+        Raises:
+            ValueError: coordinates are not finite, or there are fewer than 10 points.
+        """
+        return self.run(points, watch=watch).trajectory
+
+    def run(self, points: FloatArray, *, watch: Watch | None = None) -> GlobalResult:
+        """Register one scene, points (S, 3) in model units, wherever it lies.
+
+        Args:
+            points: the scene.
+            watch: called after each stage with the number of steps so far; what it raises ends the registration.
+
+        Raises:
+            ValueError: coordinates are not finite, or there are fewer than 10 points.
+        """
         points = finite(points)
+        if len(points) < LEAST_POINTS:
+            raise ValueError(f"a scene needs at least {LEAST_POINTS} points; this has {len(points)}")
         middle = np.median(points, axis=0)
+        centring = np.eye(4)
+        centring[:3, 3] = -middle
         centred = points - middle
-        background = Background.of(centred, self.settings)
-        T, scores = self.model.search(centred, background)
-        chosen = np.argsort(-scores, kind="stable")[:STARTS]
-        rng = np.random.default_rng(0)
-        order = rng.permutation(len(points))
-        order = order[np.argsort(background.in_ball[order] > 0.5, kind="stable")]
-        T = T[chosen]
-        stages, kept = [], [chosen]
-        for rung in LADDER:
-            few = order[: rung.points]
-            stage = climb(centred[few], background.part(few), self.model.field(rung.sigma), T, rung.steps)
-            best = np.argsort(-stage.log_likelihood[:, -1], kind="stable")
-            best = best[: rung.kept] if rung is not LADDER[-1] else distinct(stage.poses[best, -1], best, rung.kept)
-            T = stage.poses[best, -1]
-            stages.append(stage)
-            kept.append(best)
-        few = order[:LAST_POINTS]
-        last, part = centred[few], background.part(few)
-        finals = []
-        for fld in reversed(self.model.fields):
-            stage = climb(last, part, fld, T, LAST_STEPS)
-            T = stage.poses[:, -1]
-            stages.append(stage)
-            finals.append(stage)
-        likelihood = np.stack([stage.log_likelihood[:, -1] for stage in finals])
-        width = likelihood.argmax(axis=0)
-        order = np.argsort(-likelihood.max(axis=0), kind="stable")[:REFINED]
-        candidates = [
-            refine(
-                last,
-                part,
-                self.model.field(finals[width[i]].sigma),
-                self.model.points,
-                finals[width[i]].poses[i, -1],
-                finals[width[i]].shares[i],
-                cut=self.settings.cut_plane,
-            )
-            for i in order
-        ]
-        candidates.sort(key=lambda c: -c.log_likelihood)
-        back = np.eye(4)
-        back[:3, 3] = -middle
-        T = np.stack([np.eye(4), candidates[0].T @ back])
-        track = Trajectory(poses.log(T), np.zeros(1), StopReason.CONVERGED, np.nan)
-        return GlobalResult(tuple(stages), tuple(kept), tuple(candidates), background, track)
+        found = Background.of(centred, self.settings)
+        backgrounds = [found, found.without_ball] if found.has_ball else [found]
+        order = np.random.default_rng(0).permutation(len(points))
+        branches, steps = [], 0
+        for background in backgrounds:
+            T, scores = self._searched(centred, background, STARTS // len(backgrounds))
+            stages = []
+            for stage in self._climbed(centred, background, T, order):
+                stages.append(stage)
+                steps += stage.climb.steps
+                if watch:
+                    watch(steps)
+            branches.append(Branch(background, scores, tuple(stages)))
+        few = order[:_LAST_POINTS]
+        return GlobalResult(centring, tuple(branches), self._refined(centred, few, branches))
+
+    def _searched(self, points: FloatArray, background: Background, count: int) -> tuple[DoubleArray, FloatArray]:
+        T, scores = self.model.search(points, background)
+        best = np.argsort(-scores, kind="stable")[:count]
+        return T[best], scores[best]
+
+    def _climbed(
+        self, points: FloatArray, background: Background, T: DoubleArray, order: IntArray
+    ) -> Iterator[Stage]:
+        """First on few points, with fewer and fewer starts; then on more, from wide to narrow, all that are left."""
+        # what is in the ball says nothing of the pose, so the few points are others
+        telling = order[np.argsort(background.in_ball[order] > 0.5, kind="stable")]
+        for i, steps, n_points, kept in _FIRST:
+            few = telling[:n_points]
+            tried = climb(points[few], background.part(few), self.model.fields[i], T, steps)
+            best = np.argsort(-tried.log_likelihood[:, -1], kind="stable")
+            best = _distinct(tried.poses[:, -1], best, kept) if kept < 20 else best[:kept]
+            T = tried.poses[best, -1]
+            yield Stage(tried, best)
+        few = order[:_LAST_POINTS]
+        for width in reversed(self.model.fields):
+            tried = climb(points[few], background.part(few), width, T, _LAST_STEPS)
+            T = tried.poses[:, -1]
+            yield Stage(tried, np.arange(len(T)))
+
+    def _refined(self, points: FloatArray, few: IntArray, branches: list[Branch]) -> tuple[Candidate, ...]:
+        """The likeliest poses of all branches, refined; alike ones are dropped."""
+        first, cut = len(_FIRST), self.settings.cut_plane
+        tried: list[tuple[float, Posterior, DoubleArray, tuple[int, int, int]]] = []
+        for number, branch in enumerate(branches):
+            last = branch.stages[first:]
+            widths = np.argmax([stage.climb.log_likelihood[:, -1] for stage in last], axis=0)
+            for start, width in enumerate(widths):
+                reached = last[width].climb
+                field = self.model.fields[-1 - width]
+                part = branch.background.part(few)
+                posterior = Posterior(points[few], part, field, self.model.sample, reached.shares[start])
+                T = reached.poses[start, -1]
+                plane = posterior.first_plane(T) if cut else NO_PLANE
+                tried.append((posterior(T, *plane)[0], posterior, T, (number, start, first + int(width))))
+        tried.sort(key=lambda one: -one[0])
+        candidates = [Candidate(refine(posterior, T, cut=cut), *where) for _, posterior, T, where in tried[:_REFINED]]
+        likelihood = np.array([candidate.refined.log_likelihood for candidate in candidates])
+        T = np.stack([candidate.refined.T for candidate in candidates])
+        return tuple(candidates[i] for i in _distinct(T, np.argsort(-likelihood, kind="stable"), _REFINED))
 
 
-def distinct(T: DoubleArray, order: IntArray, count: int) -> IntArray:
+def _distinct(T: DoubleArray, order: IntArray, count: int) -> IntArray:
+    """The first `count` of poses T (n, 4, 4) in an order, without those that are like one before; numbers of them."""
     found: list[int] = []
-    for i in range(len(T)):
-        R = T[i, :3, :3]
-        for j in found:
-            cosine = (np.trace(R.T @ T[j, :3, :3]) - 1) / 2
-            if cosine > np.cos(np.radians(APART[0])) and np.linalg.norm(T[i, :3, 3] - T[j, :3, 3]) < APART[1]:
-                break
-        else:
-            found.append(i)
-            if len(found) == count:
-                break
-    return order[np.array(found)]
+    for i in order:
+        cosine = (np.einsum("nij,ij->n", T[found, :3, :3], T[i, :3, :3]) - 1) / 2
+        shift = np.linalg.norm(T[found, :3, 3] - T[i, :3, 3], axis=1)
+        if not ((cosine > np.cos(np.radians(_ALIKE[0]))) & (shift < _ALIKE[1])).any():
+            found.append(int(i))
+        if len(found) == count:
+            break
+    return np.array(found)
