@@ -47,6 +47,7 @@ def run_command(
     methods: Annotated[tuple[MethodName, ...], arg(metavar="METHOD ...")] = COMPARED_METHODS,
     levels: tuple[float, ...] | None = None,
     scenes: int = MOST_SCENES,
+    polish: bool = False,
     workers: int | None = None,
     dask: Annotated[str | None, arg(metavar="ADDRESS")] = None,
 ) -> int | None:
@@ -67,10 +68,13 @@ def run_command(
         methods: Methods to compare, each in quotes.
         levels: Only these levels of the sweeps, where a sweep has them. Default: all.
         scenes: Scenes at each level, at most 100. Fewer are the first of more.
+        polish: Also run each method with its last pose brought to the top of the likelihood near it.
         workers: Processes on this machine. Default: one for each core.
         dask: Work on the Dask cluster with this scheduler (tcp://HOST:PORT), whose workers have this program, too.
     """
-    experiment = Experiment(datasets=datasets, sweeps=sweeps, methods=methods, levels=levels, scenes=scenes)
+    experiment = Experiment(
+        datasets=datasets, sweeps=sweeps, methods=methods, levels=levels, scenes=scenes, polish=polish
+    )
     try:
         with (
             executor_of(workers, dask) as (executor, in_flight),

@@ -19,7 +19,7 @@ from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.store import Key, Row, Settings
 from ido.experiments.sweeps import LEVELS, level_scene
 from ido.experiments.workers import share_out
-from ido.methods import Method, method_names, shipped_method
+from ido.methods import POLISHED, Method, from_any_start, method_names, shipped_method
 from ido.perturbation import Perturbation, perturb
 from ido.scores import score
 from ido.shipped import SHAPES, shipped_cloud
@@ -61,6 +61,7 @@ class Experiment:
         levels: of the sweeps, those that have them; None for all.
         scenes: scenes at each level, the same for all methods; fewer scenes are the first of more.
         seed: first seed.
+        polish: whether each method runs a second time, with its last pose polished.
 
     Raises:
         ValueError: something is unknown or out of range, or nothing is left to run.
@@ -72,6 +73,7 @@ class Experiment:
     levels: tuple[float, ...] | None = None
     scenes: int = MOST_SCENES
     seed: int = SEED
+    polish: bool = False
 
     def __post_init__(self) -> None:
         _check_names("dataset", self.datasets, SHAPES)
@@ -88,7 +90,13 @@ class Experiment:
     def pairs(self) -> list[tuple[str, str]]:
         """Each dataset with each method that can register it."""
         shapes = [shape for shape in SHAPES if shape in self.datasets]
-        return [(shape, name) for shape in shapes for name in method_names(shape) if name in self.methods]
+        return [
+            (shape, name + suffix)
+            for shape in shapes
+            for name in (*method_names(shape), *from_any_start(shape))
+            if name in self.methods
+            for suffix in ("", POLISHED)[: 1 + self.polish]
+        ]
 
     @property
     def keys(self) -> list[Key]:

@@ -1,7 +1,8 @@
 """Registering from any start (docs/global.md): what is needed of it."""
 
+from ido.global_registration.many_starts import ManyStarts
 from ido.global_registration.model import GlobalModel, surface_of
-from ido.global_registration.registering import Branch, Candidate, GlobalRegistration, GlobalResult, Stage
+from ido.global_registration.registering import Branch, Candidate, GlobalRegistration, GlobalResult, Stage, polish
 from ido.global_registration.settings import GlobalSettings
 
 __all__ = [
@@ -11,6 +12,8 @@ __all__ = [
     "GlobalRegistration",
     "GlobalResult",
     "GlobalSettings",
+    "ManyStarts",
     "Stage",
+    "polish",
     "surface_of",
 ]

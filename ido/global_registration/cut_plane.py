@@ -19,7 +19,7 @@ _LEAST_SEEN = 0.1  # a plane keeps at least so much of the model
 _DIRECTIONS = 64
 _WITHIN = 0.97  # share of the explained points that the first plane keeps
 _UNIT = 0.02  # of the parameters: about as far as a pose may be from the top (rad, model units)
-_ITERATIONS = 40
+_ITERATIONS = 30
 
 NO_PLANE = (np.array([1.0, 0.0, 0.0]), 1e3)
 """Normal and offset of a plane beyond everything (model units)."""
@@ -105,7 +105,9 @@ class Posterior:
         """Log-likelihood per scene point, and its gradient by shift (3), turn about the model's origin (3), the plane's
         normal (3) and offset; shape (10,)."""
         gradient = np.zeros(10)
-        soft = np.hypot(_SOFT, 0.55 * self.field.sigma)  # the logistic curve that is nearest to the smeared model's edge
+        soft = np.hypot(
+            _SOFT, 0.55 * self.field.sigma
+        )  # the logistic curve that is nearest to the smeared model's edge
         numbers = np.array([REACH, self.field.step, self.background.uniform, *self.shares, _SOFT, soft])
         ball, density = self.background.ball, self.field.density
         value = plane_likelihood(self.points, ball, density, self.model, numbers, T, normal, offset, gradient)

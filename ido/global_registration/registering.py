@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -11,20 +12,21 @@ from ido import poses
 from ido.global_registration.background import Background
 from ido.global_registration.climbing import Climb, climb
 from ido.global_registration.cut_plane import NO_PLANE, Posterior, Refined, refine
+from ido.global_registration.fields import SIGMAS
 from ido.global_registration.model import GlobalModel
 from ido.global_registration.settings import GlobalSettings
 from ido.histograms import finite
 from ido.registration import StopReason, Trajectory, Watch
 from ido.types import DoubleArray, FloatArray, IntArray
 
-STARTS = 240
+STARTS = 360
 """Poses of the search that are climbed from, with and without a ball together."""
 
 LEAST_POINTS = 10
 """A scene has at least so many points."""
 
-_FIRST = ((-1, 8, 256, 64), (-2, 10, 384, 10))  # field, steps, points, and how many starts go on
-_LAST_STEPS, _LAST_POINTS = 15, 1500
+_FIRST = ((-1, 5, 200, 160), (-2, 8, 256, 64), (-2, 8, 384, 7))  # field, steps, points, and how many starts go on
+_LAST_STEPS, _LAST_POINTS = 10, 1200
 _REFINED = 4
 _ALIKE = (10.0, 0.12)  # poses nearer to each other than so many degrees and model units are one
 
@@ -117,6 +119,16 @@ class GlobalResult:
         return Trajectory(poses.log(T), np.linalg.norm(motions, axis=1), StopReason.CONVERGED, np.nan)
 
 
+class Starts(Protocol):
+    """Gives poses to climb from."""
+
+    def __call__(
+        self, points: FloatArray, backgrounds: Sequence[Background], /
+    ) -> list[tuple[DoubleArray, FloatArray]]:
+        """For each background of points (S, 3) near the origin: poses (n, 4, 4) and their scores (n,)."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GlobalRegistration:
     """Registers from any start.
@@ -124,10 +136,12 @@ class GlobalRegistration:
     Args:
         model: what scenes are registered onto.
         settings: what is assumed of them.
+        starts: gives the poses to climb from; the model's search unless given.
     """
 
     model: GlobalModel
     settings: GlobalSettings = field(default_factory=GlobalSettings)
+    starts: Starts | None = None
 
     def register(self, points: FloatArray, *, watch: Watch | None = None) -> Trajectory:
         """Register one scene, points (S, 3) in model units; `run` has all that was tried.
@@ -147,9 +161,7 @@ class GlobalRegistration:
         Raises:
             ValueError: coordinates are not finite, or there are fewer than 10 points.
         """
-        points = finite(points)
-        if len(points) < LEAST_POINTS:
-            raise ValueError(f"a scene needs at least {LEAST_POINTS} points; this has {len(points)}")
+        points = checked(points)
         middle = np.median(points, axis=0)
         centring = np.eye(4)
         centring[:3, 3] = -middle
@@ -158,8 +170,12 @@ class GlobalRegistration:
         backgrounds = [found, found.without_ball] if found.has_ball else [found]
         order = np.random.default_rng(0).permutation(len(points))
         branches, steps = [], 0
-        for background in backgrounds:
-            T, scores = self._searched(centred, background, STARTS // len(backgrounds))
+        count = STARTS // len(backgrounds)
+        for background, (T, scores) in zip(
+            backgrounds, (self.starts or self.model.search)(centred, backgrounds), strict=True
+        ):
+            best = np.argsort(-scores, kind="stable")[:count]
+            T, scores = T[best], scores[best]
             stages = []
             for stage in self._climbed(centred, background, T, order):
                 stages.append(stage)
@@ -170,14 +186,7 @@ class GlobalRegistration:
         few = order[:_LAST_POINTS]
         return GlobalResult(centring, tuple(branches), self._refined(centred, few, branches))
 
-    def _searched(self, points: FloatArray, background: Background, count: int) -> tuple[DoubleArray, FloatArray]:
-        T, scores = self.model.search(points, background)
-        best = np.argsort(-scores, kind="stable")[:count]
-        return T[best], scores[best]
-
-    def _climbed(
-        self, points: FloatArray, background: Background, T: DoubleArray, order: IntArray
-    ) -> Iterator[Stage]:
+    def _climbed(self, points: FloatArray, background: Background, T: DoubleArray, order: IntArray) -> Iterator[Stage]:
         """First on few points, with fewer and fewer starts; then on more, from wide to narrow, all that are left."""
         # what is in the ball says nothing of the pose, so the few points are others
         telling = order[np.argsort(background.in_ball[order] > 0.5, kind="stable")]
@@ -189,31 +198,85 @@ class GlobalRegistration:
             T = tried.poses[best, -1]
             yield Stage(tried, best)
         few = order[:_LAST_POINTS]
-        for width in reversed(self.model.fields):
-            tried = climb(points[few], background.part(few), width, T, _LAST_STEPS)
-            T = tried.poses[:, -1]
-            yield Stage(tried, np.arange(len(T)))
+        yield from _narrowing(points[few], background.part(few), self.model, T)
 
     def _refined(self, points: FloatArray, few: IntArray, branches: list[Branch]) -> tuple[Candidate, ...]:
         """The likeliest poses of all branches, refined; alike ones are dropped."""
-        first, cut = len(_FIRST), self.settings.cut_plane
+        cut = self.settings.cut_plane
         tried: list[tuple[float, Posterior, DoubleArray, tuple[int, int, int]]] = []
         for number, branch in enumerate(branches):
-            last = branch.stages[first:]
-            widths = np.argmax([stage.climb.log_likelihood[:, -1] for stage in last], axis=0)
-            for start, width in enumerate(widths):
-                reached = last[width].climb
-                field = self.model.fields[-1 - width]
-                part = branch.background.part(few)
-                posterior = Posterior(points[few], part, field, self.model.sample, reached.shares[start])
-                T = reached.poses[start, -1]
-                plane = posterior.first_plane(T) if cut else NO_PLANE
-                tried.append((posterior(T, *plane)[0], posterior, T, (number, start, first + int(width))))
+            part = branch.background.part(few)
+            for start, (likelihood, posterior, T, stage) in enumerate(
+                _summits(points[few], part, self.model, branch.stages[-len(SIGMAS) :], cut=cut)
+            ):
+                at = len(branch.stages) - len(SIGMAS) + stage
+                tried.append((likelihood, posterior, T, (number, start, at)))
         tried.sort(key=lambda one: -one[0])
         candidates = [Candidate(refine(posterior, T, cut=cut), *where) for _, posterior, T, where in tried[:_REFINED]]
         likelihood = np.array([candidate.refined.log_likelihood for candidate in candidates])
         T = np.stack([candidate.refined.T for candidate in candidates])
         return tuple(candidates[i] for i in _distinct(T, np.argsort(-likelihood, kind="stable"), _REFINED))
+
+
+def polish(
+    model: GlobalModel, points: FloatArray, T_model_scene: FloatArray, settings: GlobalSettings | None = None
+) -> DoubleArray:
+    """The last part of the global method, from the pose of any other: uphill on narrowing fields, and refined.
+
+    Args:
+        model: what the scene was registered onto.
+        points: the scene, shape (S, 3), model units.
+        T_model_scene: the pose to begin with, shape (4, 4).
+        settings: what is assumed of the scene.
+
+    Returns:
+        the pose at the top of the likelihood near it, shape (4, 4).
+
+    Raises:
+        ValueError: coordinates are not finite, or there are fewer than 10 points.
+    """
+    settings = settings or GlobalSettings()
+    points = checked(points)
+    few = np.random.default_rng(0).permutation(len(points))[:_LAST_POINTS]
+    points = points[few]
+    background = Background.of(points, settings)
+    stages = tuple(_narrowing(points, background, model, np.asarray(T_model_scene, dtype=np.float64)[None]))
+    ((_, posterior, T, _),) = _summits(points, background, model, stages, cut=settings.cut_plane)
+    return refine(posterior, T, cut=settings.cut_plane).T
+
+
+def checked(points: FloatArray) -> FloatArray:
+    """Points as they can be registered, float32.
+
+    Raises:
+        ValueError: coordinates are not finite, or there are fewer than 10 points.
+    """
+    points = finite(points)
+    if len(points) < LEAST_POINTS:
+        raise ValueError(f"a scene needs at least {LEAST_POINTS} points; this has {len(points)}")
+    return points
+
+
+def _narrowing(points: FloatArray, background: Background, model: GlobalModel, T: DoubleArray) -> Iterator[Stage]:
+    """Climb from poses T (n, 4, 4) on every field, the widest first."""
+    for width in reversed(model.fields):
+        tried = climb(points, background, width, T, _LAST_STEPS)
+        T = tried.poses[:, -1]
+        yield Stage(tried, np.arange(len(T)))
+
+
+def _summits(
+    points: FloatArray, background: Background, model: GlobalModel, stages: Sequence[Stage], *, cut: bool
+) -> Iterator[tuple[float, Posterior, DoubleArray, int]]:
+    """For each start of the last stages: its likelihood with a first plane, on the field that fits it best; what it is
+    the likelihood of; its pose there; and the number of that stage."""
+    best = np.argmax([stage.climb.log_likelihood[:, -1] for stage in stages], axis=0)
+    for start, number in enumerate(best):
+        reached = stages[number].climb
+        posterior = Posterior(points, background, model.fields[-1 - number], model.sample, reached.shares[start])
+        T = reached.poses[start, -1]
+        plane = posterior.first_plane(T) if cut else NO_PLANE
+        yield posterior(T, *plane)[0], posterior, T, int(number)
 
 
 def _distinct(T: DoubleArray, order: IntArray, count: int) -> IntArray:

@@ -1,7 +1,8 @@
-"""The search: every rotation of a set with all translations at once, by fast Fourier transforms (docs/global.md, Eq. 3)."""
+"""The search: many rotations, each with all translations at once, by Fourier transforms (docs/global.md, Eq. 3)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -9,7 +10,6 @@ import numpy as np
 from scipy.fft import irfftn, rfftn
 from scipy.spatial.transform import Rotation
 
-from ido.compiling import compiled
 from ido.global_registration.background import Background
 from ido.global_registration.fields import REACH, Field, deposit, read
 from ido.perturbation import OUTLIER_REACH
@@ -29,7 +29,7 @@ class Search:
 
     Args:
         rotations: R of T_model_scene, shape (n, 3, 3).
-        spectra: conjugate transforms of the turned score fields, low frequencies alone, (n, c, c, c // 2 + 1), complex64.
+        spectra: low frequencies of the turned score fields' transforms, conjugate, shape (n, 20, 20, 11), complex64.
     """
 
     rotations: DoubleArray
@@ -47,28 +47,30 @@ class Search:
         def spectrum(R: DoubleArray) -> np.ndarray:
             turned = np.empty(len(lattice), dtype=np.float32)
             read(lattice @ R.T.astype(np.float32), scores, REACH, field.step, turned)
-            return _low(rfftn(turned.reshape(_FINE, _FINE, _FINE))).conj()
+            return _low(np.asarray(rfftn(turned.reshape(_FINE, _FINE, _FINE)))).conj()
 
         with ThreadPoolExecutor() as pool:
             return cls(rotations, np.stack(list(pool.map(spectrum, rotations))))
 
-    def __call__(self, points: FloatArray, background: Background) -> tuple[DoubleArray, FloatArray]:
-        """The best translation of each rotation, for points (S, 3) near the origin.
+    def __call__(self, points: FloatArray, backgrounds: Sequence[Background]) -> list[tuple[DoubleArray, FloatArray]]:
+        """The best two translations of each rotation, for points (S, 3) near the origin and each of their backgrounds.
 
         Returns:
-            poses T_model_scene, shape (n, 4, 4), and their scores, shape (n,).
+            for each background poses T_model_scene, shape (2 n, 4, 4), and their scores, shape (2 n,).
         """
+        return [self._of(points, background) for background in backgrounds]
+
+    def _of(self, points: FloatArray, background: Background) -> tuple[DoubleArray, FloatArray]:
         counts = np.zeros((_FINE + 1,) * 3, dtype=np.float32)
         deposit(np.ascontiguousarray(points, dtype=np.float32), 1 - background.in_ball, SIDE / 2, SIDE / _FINE, counts)
-        for axis in range(3):  # the last corners are the first ones again
-            first = [slice(None)] * axis + [0]
-            counts[tuple(first)] += counts[tuple([*first[:-1], _FINE])]
-        scene = _low(rfftn(np.ascontiguousarray(counts[:_FINE, :_FINE, :_FINE])))
+        counts[0] += counts[-1]  # the cube is periodic
+        counts[:, 0] += counts[:, -1]
+        counts[:, :, 0] += counts[:, :, -1]
+        scene = _low(np.asarray(rfftn(counts[:-1, :-1, :-1])))
 
         def best(begin: int) -> tuple[np.ndarray, np.ndarray]:
             batch = self.spectra[begin : begin + _BATCH] * scene
-            scores = irfftn(batch, s=(_COARSE,) * 3, axes=(1, 2, 3), overwrite_x=True)
-            return _peaks(scores)
+            return _peaks(np.asarray(irfftn(batch, s=(_COARSE,) * 3, axes=(1, 2, 3), overwrite_x=True)))
 
         with ThreadPoolExecutor() as pool:
             parts = list(pool.map(best, range(0, len(self.spectra), _BATCH)))
