@@ -9,7 +9,7 @@ from ido.blocks import Block, Question, Surface
 from ido.clouds import Cloud, CloudError, CloudWarning, Model
 from ido.extensions import LearnedMethod, OwnError, OwnMethod, UpdateMethod, register_updates
 from ido.files import load_cloud
-from ido.global_registration import GlobalModel, GlobalRegistration, GlobalResult, GlobalSettings, polish
+from ido.global_registration import Confidence, GlobalModel, GlobalRegistration, GlobalResult, GlobalSettings, polish
 from ido.histograms import (
     HISTOGRAMS,
     AsPrinted,
@@ -39,6 +39,7 @@ __all__ = [
     "Cloud",
     "CloudError",
     "CloudWarning",
+    "Confidence",
     "FrontBack",
     "GlobalModel",
     "GlobalRegistration",

@@ -84,7 +84,7 @@ def register_scan(maps: Maps, cloud: str, settings: ScanSettings, *, whole: bool
     Raises:
         CloudError: the file cannot be used.
     """
-    file, used = _opened(cloud, settings, whole)
+    file, used = opened(cloud, drop_invalid=settings.drop_invalid, whole=whole)
     points = registered_points(used.points)
     T_model_scene, track = register_original(
         maps, points, start=settings.start, epsilon=settings.epsilon, max_iterations=settings.max_iterations
@@ -118,9 +118,14 @@ def as_text(scan: RegisteredScan) -> str:
     return json.dumps(as_json(scan), indent=2, allow_nan=False)
 
 
-def _opened(cloud: str, settings: ScanSettings, whole: bool) -> tuple[CloudFile, UsedPoints]:
+def opened(cloud: str, *, drop_invalid: bool, whole: bool) -> tuple[CloudFile, UsedPoints]:
+    """A cloud file, or a shipped shape by name, and the points that it gives.
+
+    Raises:
+        CloudError: the file cannot be used.
+    """
     if cloud not in SHAPES:
-        return open_cloud(cloud, whole=whole, drop_invalid=settings.drop_invalid)
+        return open_cloud(cloud, whole=whole, drop_invalid=drop_invalid)
     shipped = shipped_cloud(cloud)
     points = shipped.frame.to_user_units(shipped.points)
     return CloudFile(points), UsedPoints(points, len(points), 0, ())

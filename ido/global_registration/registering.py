@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -12,6 +13,7 @@ from ido import poses
 from ido.global_registration.background import Background
 from ido.global_registration.climbing import Climb, climb
 from ido.global_registration.cut_plane import NO_PLANE, Posterior, Refined, refine
+from ido.global_registration.evidence import Evidence, moved_by
 from ido.global_registration.fields import SIGMAS
 from ido.global_registration.model import GlobalModel
 from ido.global_registration.settings import GlobalSettings
@@ -24,6 +26,9 @@ STARTS = 360
 
 LEAST_POINTS = 10
 """A scene has at least so many points."""
+
+MOST_POINTS = 20_000
+"""Of a larger scene a random subset of so many is searched with, always the same one."""
 
 _FIRST = ((-1, 5, 200, 160), (-2, 8, 256, 64), (-2, 8, 384, 7))  # field, steps, points, and how many starts go on
 _LAST_STEPS, _LAST_POINTS = 10, 1200
@@ -75,18 +80,20 @@ class Candidate:
 
     Args:
         refined: the pose of the centred scene, and the plane.
+        posterior: the likelihood that it is at the top of.
         branch: number of the branch that it comes from.
         start: its number in the last stages of that branch.
         stage: number of the stage whose width fits it best.
     """
 
     refined: Refined
+    posterior: Posterior
     branch: int
     start: int
     stage: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class GlobalResult:
     """A registration from any start, with all that was tried.
 
@@ -94,11 +101,20 @@ class GlobalResult:
         centring: the pose (4, 4) that moved the scene's middle to the origin, before all else.
         branches: what was tried.
         candidates: the final poses, no two alike, the likeliest first: that is the one chosen.
+        searched: number of points that were searched and climbed with; all are used at the end.
     """
 
     centring: DoubleArray
     branches: tuple[Branch, ...]
     candidates: tuple[Candidate, ...]
+    searched: int
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """What speaks for the chosen pose."""
+        first, *others = self.candidates
+        second = others[0].refined.log_likelihood if others else None
+        return Evidence.of(first.posterior, first.refined, second)
 
     @property
     def best(self) -> Refined:
@@ -147,7 +163,7 @@ class GlobalRegistration:
         """Register one scene, points (S, 3) in model units; `run` has all that was tried.
 
         Raises:
-            ValueError: coordinates are not finite, or there are fewer than 10 points.
+            ValueError: coordinates are not finite, there are fewer than 10 points, or all lie in one place.
         """
         return self.run(points, watch=watch).trajectory
 
@@ -159,9 +175,12 @@ class GlobalRegistration:
             watch: called after each stage with the number of steps so far; what it raises ends the registration.
 
         Raises:
-            ValueError: coordinates are not finite, or there are fewer than 10 points.
+            ValueError: coordinates are not finite, there are fewer than 10 points, or all lie in one place.
         """
-        points = checked(points)
+        whole = checked(points)
+        points = whole
+        if len(whole) > MOST_POINTS:
+            points = np.random.default_rng(0).choice(whole, MOST_POINTS, replace=False)
         middle = np.median(points, axis=0)
         centring = np.eye(4)
         centring[:3, 3] = -middle
@@ -184,7 +203,8 @@ class GlobalRegistration:
                     watch(steps)
             branches.append(Branch(background, scores, tuple(stages)))
         few = order[:_LAST_POINTS]
-        return GlobalResult(centring, tuple(branches), self._refined(centred, few, branches))
+        result = GlobalResult(centring, tuple(branches), self._refined(centred, few, branches), len(points))
+        return result if len(whole) <= _LAST_POINTS else self._with_all(result, whole - middle)
 
     def _climbed(self, points: FloatArray, background: Background, T: DoubleArray, order: IntArray) -> Iterator[Stage]:
         """First on few points, with fewer and fewer starts; then on more, from wide to narrow, all that are left."""
@@ -200,6 +220,20 @@ class GlobalRegistration:
         few = order[:_LAST_POINTS]
         yield from _narrowing(points[few], background.part(few), self.model, T)
 
+    def _with_all(self, result: GlobalResult, points: FloatArray) -> GlobalResult:
+        """The same with the chosen pose moved by a Newton step on the likelihood of all points (S, 3), centred."""
+        best, evidence = result.candidates[0], result.evidence
+        background = Background.of(points, self.settings)
+        if not best.posterior.background.has_ball:
+            background = background.without_ball
+        everything = replace(best.posterior, points=points, background=background)
+        before, gradient = everything(best.refined.T, best.refined.normal, best.refined.offset)
+        T = moved_by(evidence.covariance @ gradient[:6] * len(best.posterior.points), best.refined.T)
+        if everything(T, best.refined.normal, best.refined.offset)[0] <= before:
+            return result
+        first = replace(best, refined=replace(best.refined, T=T))
+        return replace(result, candidates=(first, *result.candidates[1:]))
+
     def _refined(self, points: FloatArray, few: IntArray, branches: list[Branch]) -> tuple[Candidate, ...]:
         """The likeliest poses of all branches, refined; alike ones are dropped."""
         cut = self.settings.cut_plane
@@ -212,10 +246,11 @@ class GlobalRegistration:
                 at = len(branch.stages) - len(SIGMAS) + stage
                 tried.append((likelihood, posterior, T, (number, start, at)))
         tried.sort(key=lambda one: -one[0])
-        candidates = [Candidate(refine(posterior, T, cut=cut), *where) for _, posterior, T, where in tried[:_REFINED]]
-        likelihood = np.array([candidate.refined.log_likelihood for candidate in candidates])
-        T = np.stack([candidate.refined.T for candidate in candidates])
-        return tuple(candidates[i] for i in _distinct(T, np.argsort(-likelihood, kind="stable"), _REFINED))
+        apart = _distinct(np.stack([T for _, _, T, _ in tried]), np.arange(len(tried)), _REFINED)
+        found = [Candidate(refine(tried[i][1], tried[i][2], cut=cut), tried[i][1], *tried[i][3]) for i in apart]
+        found.sort(key=lambda candidate: -candidate.refined.log_likelihood)
+        apart = _distinct(np.stack([candidate.refined.T for candidate in found]), np.arange(len(found)), _REFINED)
+        return tuple(found[i] for i in apart)
 
 
 def polish(
@@ -233,7 +268,7 @@ def polish(
         the pose at the top of the likelihood near it, shape (4, 4).
 
     Raises:
-        ValueError: coordinates are not finite, or there are fewer than 10 points.
+        ValueError: coordinates are not finite, there are fewer than 10 points, or all lie in one place.
     """
     settings = settings or GlobalSettings()
     points = checked(points)
@@ -249,11 +284,13 @@ def checked(points: FloatArray) -> FloatArray:
     """Points as they can be registered, float32.
 
     Raises:
-        ValueError: coordinates are not finite, or there are fewer than 10 points.
+        ValueError: coordinates are not finite, there are fewer than 10 points, or all lie in one place.
     """
     points = finite(points)
     if len(points) < LEAST_POINTS:
         raise ValueError(f"a scene needs at least {LEAST_POINTS} points; this has {len(points)}")
+    if not np.ptp(points, axis=0).any():
+        raise ValueError("all points of the scene lie in one place; check its file and columns")
     return points
 
 
