@@ -100,7 +100,7 @@ def register_command(
         raise ValueError("--workers and --dask are for a folder of scans")
     check_apart(
         {"-o": output, "--moved": moved},
-        {"the cloud": place_of(cloud), "the maps or the model": place_of(maps or onto or "")},
+        {"the cloud": place_of(cloud), "the maps file" if maps else "the model": place_of(maps or onto or "")},
     )
     if output:
         check_output(output, force=force)

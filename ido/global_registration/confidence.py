@@ -59,15 +59,13 @@ class Confidence:
 
 def features(evidence: Evidence) -> dict[str, float]:
     """The numbers that the probability is a logistic function of, each of moderate size."""
+    margin = float(np.log1p(min(max(evidence.margin, 0.0), 500.0)))
     return {
-        "log_explained": float(np.log(max(evidence.explained, 1.0))),
-        "share": evidence.share,
+        "log_margin": margin,
+        "log_margin_squared": margin**2,
         "gain": evidence.gain,
-        "deficit": evidence.deficit,
-        "log_margin": float(np.log1p(min(max(evidence.margin, 0.0), 500.0))),
         "covered": evidence.covered,
         "seen": evidence.seen,
-        "log_error": float(np.log(evidence.error)),
         "log_sigma": float(np.log(evidence.sigma)),
     }
 
@@ -86,8 +84,9 @@ def coefficients() -> dict[str, float]:
 
 def _reasons(evidence: Evidence, n_equal: int, chance: float) -> list[str]:
     found = []
+    firm = evidence.explained >= FEW and evidence.covered >= LITTLE
     if n_equal:
-        found.append(f"symmetric: {n_equal + 1} poses fit equally")
+        found.append(f"{'symmetric: ' if firm else ''}{n_equal + 1} poses fit equally")
     if evidence.deficit > POOR_FIT:
         found.append("what lies on the model is not shaped like it; is it another shape, or another size?")
     if evidence.explained < FEW:

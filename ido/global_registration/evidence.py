@@ -24,11 +24,12 @@ class Evidence:
     """Figures of a pose, all without units of the scene's size.
 
     Args:
-        explained: how many points of the scene the model explains.
-        share: the same, as share of the points.
+        explained: how many points of the scene the model explains, repeated ones counted once.
+        share: of the points that it explains.
         gain: log-likelihood that the model adds to the outliers alone, per explained point.
         deficit: by how much the explained points' mean log-density is lower than that of the model's own points.
-        margin: log-likelihood of all points over that of the second-best pose; inf when there is no second.
+        margin: log-likelihood of all points, repeated ones counted once, over that of the second-best pose; inf when
+            there is no second.
         covered: share of the model, of what the plane keeps, that has an explained point near.
         seen: share of the model that the plane keeps.
         sigma: width of the field that fits best (model units).
@@ -56,22 +57,23 @@ class Evidence:
             best: the pose and its plane.
             second: log-likelihood per point of the next pose that is not alike; None when there is none.
         """
-        n, model = len(posterior.points), posterior.model
-        moved = transform(best.T, posterior.points)
+        points, model = posterior.points, posterior.model
+        n = len(np.unique(points, axis=0))  # what is repeated says nothing new
+        moved = transform(best.T, points)
         density = posterior.field(moved).astype(np.float64)
         member = posterior.explained(best.T) * (moved @ best.normal < best.offset)
-        explained = float(member.sum())
+        share = float(member.mean())
         own = posterior.field(model).astype(np.float64)
         at_home = float(np.log(own).mean()) - 0.5  # points that are noisy lie a little beside the densest places
-        reached = float((member * np.log(density + 1e-9)).sum() / max(explained, 1e-9))
+        reached = float((member * np.log(density + 1e-9)).mean() / max(share, 1e-9))
         kept = model[model @ best.normal < best.offset]
         near = moved[member > 0.5]
         covered = float((KDTree(near).query(kept)[0] < NEAR).mean()) if len(near) and len(kept) else 0.0
         covariance = _covariance(posterior, best)
         return cls(
-            explained=explained,
-            share=explained / n,
-            gain=n * (best.log_likelihood - _alone(posterior)) / max(explained, 1.0),
+            explained=share * n,
+            share=share,
+            gain=(best.log_likelihood - _alone(posterior)) / max(share, 1 / n),
             deficit=at_home - reached,
             margin=np.inf if second is None else n * (best.log_likelihood - second),
             covered=covered,

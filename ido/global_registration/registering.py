@@ -220,12 +220,14 @@ class GlobalRegistration:
         few = order[:_LAST_POINTS]
         yield from _narrowing(points[few], background.part(few), self.model, T)
 
+    @property
+    def _ball_free(self) -> GlobalSettings:
+        return replace(self.settings, ball=False)
+
     def _with_all(self, result: GlobalResult, points: FloatArray) -> GlobalResult:
         """The same with the chosen pose moved by a Newton step on the likelihood of all points (S, 3), centred."""
         best, evidence = result.candidates[0], result.evidence
-        background = Background.of(points, self.settings)
-        if not best.posterior.background.has_ball:
-            background = background.without_ball
+        background = Background.of(points, self.settings if best.posterior.background.has_ball else self._ball_free)
         everything = replace(best.posterior, points=points, background=background)
         before, gradient = everything(best.refined.T, best.refined.normal, best.refined.offset)
         T = moved_by(evidence.covariance @ gradient[:6] * len(best.posterior.points), best.refined.T)
