@@ -14,8 +14,9 @@ from ido.global_registration.registering import GlobalResult
 from ido.shipped import asset
 from ido.types import DoubleArray
 
-EQUAL = 3.0
-"""Poses whose log-likelihoods differ by less fit equally: the data favour none of them by more than 20 to 1."""
+EQUAL = 5.0
+"""Poses whose log-likelihoods differ by less fit equally. Equal poses of a symmetric shape, whose fields are made of
+different samples, differ by a few."""
 
 POOR_FIT = 0.25
 """A fit whose deficit is greater is one of another shape, size or surface."""
@@ -53,7 +54,7 @@ class Confidence:
             if n * (result.best.log_likelihood - other.refined.log_likelihood) < EQUAL
         ]
         equals = np.stack(others) if others else np.empty((0, 4, 4))
-        chance = probability(features(evidence), coefficients())
+        chance = probability(evidence, coefficients())
         return cls(chance, evidence, equals, tuple(_reasons(evidence, len(equals), chance)))
 
 
@@ -70,10 +71,13 @@ def features(evidence: Evidence) -> dict[str, float]:
     }
 
 
-def probability(values: Mapping[str, float], weights: Mapping[str, float]) -> float:
-    """The logistic function of the features' weighted sum and the weight called ``intercept``."""
-    total = weights["intercept"] + sum(weights[name] * value for name, value in values.items())
-    return float(1 / (1 + np.exp(-np.clip(total, -30, 30))))
+def probability(evidence: Evidence, weights: Mapping[str, float]) -> float:
+    """How probable a pose is: that a fit like it is right, times its weight among those that fit as well.
+
+    The first is the logistic function of the features' weighted sum and the weight called ``intercept``.
+    """
+    total = weights["intercept"] + sum(weights[name] * value for name, value in features(evidence).items())
+    return float(evidence.weight / (1 + np.exp(-np.clip(total, -30, 30))))
 
 
 @cache
@@ -96,5 +100,5 @@ def _reasons(evidence: Evidence, n_equal: int, chance: float) -> list[str]:
     if evidence.error > LOOSE:
         found.append(f"the points leave the pose loose: it can be off by {evidence.error:.2g} of the model's half-size")
     if chance < SURE and not found:
-        found.append("another pose fits nearly as well" if evidence.margin < 5 * EQUAL else "it fits only weakly")
+        found.append("another pose fits nearly as well" if evidence.margin < 3 * EQUAL else "it fits only weakly")
     return found

@@ -101,7 +101,7 @@ class Posterior:
     model: FloatArray
     shares: DoubleArray
 
-    def __call__(self, T: DoubleArray, normal: DoubleArray, offset: float) -> tuple[float, DoubleArray]:
+    def __call__(self, T: FloatArray, normal: DoubleArray, offset: float) -> tuple[float, DoubleArray]:
         """Log-likelihood per scene point, and its gradient by shift (3), turn about the model's origin (3), the plane's
         normal (3) and offset; shape (10,)."""
         gradient = np.zeros(10)
@@ -160,7 +160,7 @@ def plane_likelihood(
     density: FloatArray,
     model: FloatArray,
     numbers: DoubleArray,
-    T: DoubleArray,
+    T: FloatArray,
     normal: DoubleArray,
     offset: float,
     gradient: DoubleArray,

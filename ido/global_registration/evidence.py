@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +11,13 @@ from scipy.spatial import KDTree
 from ido.global_registration.cut_plane import Posterior, Refined
 from ido.kernels import pose_of
 from ido.poses import transform
-from ido.types import DoubleArray
+from ido.types import DoubleArray, FloatArray
 
 NEAR = 0.1
 """A part of the model is covered when an explained point lies within this distance of it (model units)."""
 
 _STEP = 0.01  # rad, model units: over the kinks of the field between its corners
+_TEMPER = 3.0  # the field is of samples itself, so likelihoods differ by a few where poses are equal
 _LOOSEST = 1.0  # deviation that a pose can have along any direction (rad, model units)
 
 
@@ -30,6 +32,7 @@ class Evidence:
         deficit: by how much the explained points' mean log-density is lower than that of the model's own points.
         margin: log-likelihood of all points, repeated ones counted once, over that of the second-best pose; inf when
             there is no second.
+        weight: of the pose among all that it was chosen from, by their likelihoods; at most 1.
         covered: share of the model, of what the plane keeps, that has an explained point near.
         seen: share of the model that the plane keeps.
         sigma: width of the field that fits best (model units).
@@ -42,6 +45,7 @@ class Evidence:
     gain: float
     deficit: float
     margin: float
+    weight: float
     covered: float
     seen: float
     sigma: float
@@ -49,16 +53,17 @@ class Evidence:
     covariance: DoubleArray
 
     @classmethod
-    def of(cls, posterior: Posterior, best: Refined, second: float | None) -> Evidence:
+    def of(cls, posterior: Posterior, best: Refined, others: Sequence[Refined]) -> Evidence:
         """The evidence for a pose.
 
         Args:
             posterior: of the scene that it was found for.
             best: the pose and its plane.
-            second: log-likelihood per point of the next pose that is not alike; None when there is none.
+            others: those that it was chosen over, none alike, the likeliest first.
         """
         points, model = posterior.points, posterior.model
         n = len(np.unique(points, axis=0))  # what is repeated says nothing new
+        margins = [n * (best.log_likelihood - other.log_likelihood) for other in others]
         moved = transform(best.T, points)
         density = posterior.field(moved).astype(np.float64)
         member = posterior.explained(best.T) * (moved @ best.normal < best.offset)
@@ -75,7 +80,8 @@ class Evidence:
             share=share,
             gain=(best.log_likelihood - _alone(posterior)) / max(share, 1 / n),
             deficit=at_home - reached,
-            margin=np.inf if second is None else n * (best.log_likelihood - second),
+            margin=min(margins, default=np.inf),
+            weight=float(1 / (1 + sum(np.exp(-max(margin, 0.0) / _TEMPER) for margin in margins))),
             covered=covered,
             seen=len(kept) / len(model),
             sigma=best.sigma,
@@ -101,7 +107,7 @@ def _covariance(posterior: Posterior, best: Refined) -> DoubleArray:
     return (vectors / np.maximum(values, _LOOSEST**-2)) @ vectors.T
 
 
-def moved_by(motion: DoubleArray, T: DoubleArray) -> DoubleArray:
+def moved_by(motion: FloatArray, T: FloatArray) -> DoubleArray:
     """A pose (4, 4) turned about the model's origin and then shifted: motion (6,) is shift first, turn last."""
     moved = pose_of(np.concatenate([np.zeros(3), motion[3:]])) @ T
     moved[:3, 3] += motion[:3]

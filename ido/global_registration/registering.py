@@ -113,8 +113,7 @@ class GlobalResult:
     def evidence(self) -> Evidence:
         """What speaks for the chosen pose."""
         first, *others = self.candidates
-        second = others[0].refined.log_likelihood if others else None
-        return Evidence.of(first.posterior, first.refined, second)
+        return Evidence.of(first.posterior, first.refined, [other.refined for other in others])
 
     @property
     def best(self) -> Refined:
