@@ -39,7 +39,7 @@ def score_table(results: Results, table: PaperTable) -> str:
 
 
 def _family_rows(of_dataset: Results, family: Family, table: PaperTable, best: Mapping[str, float]) -> list[str]:
-    known = method_names(table.dataset)
+    known = methods_of(table.dataset)
     rows = []
     if family.paper:
         cells = "".join(_paper_cell(table, sweep, family.paper) for sweep in ROW_NAMES)
