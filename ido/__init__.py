@@ -9,6 +9,7 @@ from ido.blocks import Block, Question, Surface
 from ido.clouds import Cloud, CloudError, CloudWarning, Model
 from ido.extensions import LearnedMethod, OwnError, OwnMethod, UpdateMethod, register_updates
 from ido.files import load_cloud
+from ido.global_registration import Confidence, GlobalModel, GlobalRegistration, GlobalResult, GlobalSettings, polish
 from ido.histograms import (
     HISTOGRAMS,
     AsPrinted,
@@ -38,7 +39,12 @@ __all__ = [
     "Cloud",
     "CloudError",
     "CloudWarning",
+    "Confidence",
     "FrontBack",
+    "GlobalModel",
+    "GlobalRegistration",
+    "GlobalResult",
+    "GlobalSettings",
     "Histogram",
     "LearnedMethod",
     "Maps",
@@ -67,6 +73,7 @@ __all__ = [
     "load_run",
     "method_names",
     "perturb",
+    "polish",
     "register",
     "register_batch",
     "register_updates",

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from typing import Protocol, cast
 
 import numpy as np
 
+from ido import poses
 from ido.baselines import BCPD, CPD, ICP, KCCE, Baseline, GMMReg, Nothing
 from ido.clouds import Model
 from ido.extensions import LearnedMethod, OwnError, OwnMethod, UpdateMethod, checked_histogram, register_updates
+from ido.global_registration import GlobalModel, GlobalRegistration, GlobalSettings, ManyStarts, polish
 from ido.histograms import Histogram
 from ido.maps import Maps
 from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory, Watch, register
-from ido.shipped import SHAPES, shipped_histograms, shipped_maps
+from ido.shipped import SHAPES, shipped_cloud, shipped_histograms, shipped_maps
 from ido.types import FloatArray
 
 LEARNED: dict[str, str] = {
@@ -40,6 +42,22 @@ BASELINES: dict[str, Baseline] = {
     **{f"{b.title}, tuned": b for b in _TUNED},
 }
 """Every baseline by name: with its authors' settings, and with settings that `ido experiment tune` chose."""
+
+
+FROM_ANY_START: dict[str, GlobalSettings] = {
+    "Global": GlobalSettings(),
+    "Global (no cut plane)": GlobalSettings(cut_plane=False),
+    "Global (no ball)": GlobalSettings(ball=False),
+    "Global (volume unknown)": GlobalSettings(known_volume=False),
+    "Global (plain)": GlobalSettings(cut_plane=False, ball=False, known_volume=False),
+}
+"""The global method by name: with all that it assumes of a scene, without each part of it, and without all."""
+
+MANY_STARTS: dict[str, str] = {f"{name}, many starts": name for name in ("DO", "Improved DO")}
+"""Learned methods from many starts, and which one each is."""
+
+POLISHED = ", polished"
+"""Ends the name of any method whose pose is brought to the top of the likelihood near it."""
 
 
 class Registers(Protocol):
@@ -79,6 +97,34 @@ class Method:
     def baseline(cls, name: str, baseline: Baseline, model: Model) -> Method:
         """A baseline on a model."""
         return cls(name, baseline.settings, partial(baseline.register, model.points), model)
+
+    @classmethod
+    def from_any_start(
+        cls, name: str, registration: GlobalRegistration, model: Model, maps: Maps | None = None
+    ) -> Method:
+        """The global method, or a learned one from many starts.
+
+        Args:
+            name: as it is shown.
+            registration: with the starts that the maps lead to, where there are any.
+            model: what its result is shown on, and what other methods register onto.
+            maps: that the starts walk.
+        """
+        settings = {**asdict(registration.settings), "rotations": len(registration.model.search.rotations)}
+        return cls(name, settings, registration.register, model, maps, maps.histogram if maps else None)
+
+    def polished(self, model: GlobalModel) -> Method:
+        """The same method, whose last pose is brought to the top of the likelihood near it."""
+
+        def run(points: FloatArray, *, watch: Watch | None = None) -> Trajectory:
+            track = self.register(points, watch=watch)
+            last = track.T_model_scene[-1]
+            end = polish(model, points, last)
+            step = np.linalg.norm(poses.log(end @ poses.invert(last)))
+            x, norms = np.vstack([track.x, poses.log(end)]), np.append(track.update_norms, step)
+            return Trajectory(x, norms, track.stop, np.nan)
+
+        return replace(self, name=self.name + POLISHED, settings={**self.settings, "polished": True}, register=run)
 
     @classmethod
     def own(
@@ -123,9 +169,21 @@ class Method:
 
 
 def method_names(shape: str) -> tuple[str, ...]:
-    """The methods that can register a shipped shape, learned ones first."""
+    """The methods that register a shipped shape from where it lies, learned ones first."""
     learned = (name for name, histogram in LEARNED.items() if histogram in shipped_histograms(shape))
     return (*learned, *BASELINES)
+
+
+def from_any_start(shape: str) -> tuple[str, ...]:
+    """The methods that can register a shipped shape wherever it lies."""
+    learned = method_names(shape)
+    return (*FROM_ANY_START, *(name for name, one in MANY_STARTS.items() if one in learned))
+
+
+@cache
+def shipped_global_model(shape: str) -> GlobalModel:
+    """What the global method registers onto, for a shipped shape; a second or two to make."""
+    return GlobalModel.of(shipped_cloud(shape).points)
 
 
 @cache
@@ -137,8 +195,19 @@ def shipped_method(shape: str, name: str) -> Method:
     """
     if shape not in SHAPES:
         raise ValueError(f"unknown shape {shape!r}; known: {', '.join(SHAPES)}")
-    if name not in method_names(shape):
-        raise ValueError(f"{name!r} cannot register {shape!r}; known: {', '.join(method_names(shape))}")
+    if name.endswith(POLISHED):
+        return shipped_method(shape, name.removesuffix(POLISHED)).polished(shipped_global_model(shape))
+    known = (*method_names(shape), *from_any_start(shape))
+    if name not in known:
+        raise ValueError(f"{name!r} cannot register {shape!r}; known: {', '.join(known)}")
     if name in LEARNED:
         return Method.learned(name, shipped_maps(shape, LEARNED[name]))
-    return Method.baseline(name, BASELINES[name], shipped_maps(shape, LEARNED["DO"]).histogram.model)
+    model = shipped_maps(shape, LEARNED["DO"]).histogram.model
+    if name in FROM_ANY_START:
+        registration = GlobalRegistration(shipped_global_model(shape), FROM_ANY_START[name])
+        return Method.from_any_start(name, registration, model)
+    if name in MANY_STARTS:
+        maps = shipped_maps(shape, LEARNED[MANY_STARTS[name]])
+        registration = GlobalRegistration(shipped_global_model(shape), starts=ManyStarts(maps))
+        return Method.from_any_start(name, registration, model, maps)
+    return Method.baseline(name, BASELINES[name], model)

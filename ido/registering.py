@@ -16,6 +16,8 @@ from ido.disk import check_apart, check_output, write_whole
 from ido.experiments.workers import executor_of
 from ido.files import save_cloud
 from ido.files.saving import SUFFIXES
+from ido.global_scans import as_text as global_text
+from ido.global_scans import global_target, register_globally
 from ido.registration import EPSILON, MAX_ITERATIONS
 from ido.scan_folder import Row, ScanTask, missing, open_rows, register_all, scans_in
 from ido.scans import ScanSettings, as_text, register_scan
@@ -24,7 +26,8 @@ from ido.user_units import Start
 
 def register_command(
     cloud: CloudName,
-    maps: Annotated[str, arg(metavar="FILE.npz", help=f"Maps: a file {MAPS_HELP}")],
+    maps: Annotated[str | None, arg(metavar="FILE.npz", help=f"Maps to walk: a file {MAPS_HELP}")] = None,
+    onto: Annotated[str | None, arg(name="global", metavar="MODEL")] = None,
     histogram: HistogramName | None = None,
     start: Start = "here",
     epsilon: float = EPSILON,
@@ -52,7 +55,14 @@ def register_command(
     The maps see only what lies near the model and were trained to turn it back by up to 90 degrees. A cloud that lies
     elsewhere needs --start centre (the default is where it lies, as in the paper).
 
-    Of a cloud with more than 4000 points a random 4000 are registered, always the same ones. Meshes are sampled.
+    With --global MODEL instead of --maps, the cloud is registered from any start, onto a cloud or the model of maps.
+    The JSON then has, instead of how it stopped, how sure the pose is: a probability, found from what can be known
+    without the truth; the expected error and the covariance of the pose (shift, then turn in radians, in the model's
+    frame); and other poses that fit equally. Of a cloud with more than 20000 points a random 20000 are searched with,
+    and all are used at the end.
+
+    With --maps, of a cloud with more than 4000 points a random 4000 are registered, always the same ones. Meshes are
+    sampled.
 
     If the cloud is a folder, all files in it are registered. -o is then a file of JSON lines: a first one with the
     settings, and one for each scan as soon as it is there, or with its error. Stop whenever you like: the same command
@@ -61,6 +71,7 @@ def register_command(
     Args:
         cloud: File, folder or shipped shape.
         maps: Maps to walk.
+        onto: Register from any start onto this: a cloud, a shipped shape, or maps, of which only the model is used.
         histogram: What the maps see, as module:Class, when it is a feature of your own.
         start: Where to start: where the cloud lies, or with its bounding-box centre moved onto the model's.
         epsilon: Stop once an update is shorter than this. The paper says 0.005; smaller is slower and more exact.
@@ -69,34 +80,50 @@ def register_command(
         moved: Also write the moved cloud with all its points, in order, and its other columns, to a PLY or XYZ file.
         drop_invalid: Leave out points with coordinates that are not finite, instead of refusing the cloud.
         force: Replace files that are already there.
-        strict: Exit with 3 when it did not converge or there are warnings.
+        strict: Exit with 3 when it did not converge, is less than 95% probable, or there are warnings.
         workers: Processes that share a folder's scans out. Default: one for each core.
         dask: Work on the Dask cluster with this scheduler (tcp://HOST:PORT), whose workers see the same files.
     """
+    if (maps is None) == (onto is None):
+        raise ValueError("give either --maps FILE.npz, to walk maps, or --global MODEL, to register from any start")
     settings = ScanSettings(start=start, epsilon=epsilon, max_iterations=max_iterations, drop_invalid=drop_invalid)
+    if onto is not None and settings != ScanSettings(drop_invalid=drop_invalid):
+        raise ValueError("--start, --epsilon and --max-iterations are for --maps; --global needs none of them")
     if Path(cloud).is_dir():
+        if maps is None:
+            raise ValueError(f"{cloud}: is a folder; --global registers one scan at a time")
         if output is None or moved is not None:
             raise ValueError(f"{cloud}: is a folder, so give -o FILE.jsonl for the poses, and no --moved")
         who = executor_of(workers, dask)
         return _register_folder(Path(cloud), maps, histogram, settings, output, who, force=force, strict=strict)
     if workers is not None or dask is not None:
         raise ValueError("--workers and --dask are for a folder of scans")
-    check_apart({"-o": output, "--moved": moved}, {"the cloud": place_of(cloud), "the maps file": place_of(maps)})
+    check_apart(
+        {"-o": output, "--moved": moved},
+        {"the cloud": place_of(cloud), "the maps file" if maps else "the model": place_of(maps or onto or "")},
+    )
     if output:
         check_output(output, force=force)
     if moved:
         check_output(moved, *SUFFIXES, force=force)
-    scan = register_scan(maps_of(maps, histogram), cloud, settings, whole=moved is not None)
-    for text in scan.used.notes:
-        note(f"[bold]note:[/] {escape(text)}")
+    whole = moved is not None
+    if onto is not None:
+        target = global_target(onto, histogram)
+        scan = register_globally(target, cloud, drop_invalid=drop_invalid, whole=whole)
+        text = global_text(scan)
+    else:
+        scan = register_scan(maps_of(maps or "", histogram), cloud, settings, whole=whole)
+        text = as_text(scan)
+    for said in scan.used.notes:
+        note(f"[bold]note:[/] {escape(said)}")
     for doubt in scan.doubts:
         note(f"[bold yellow]warning:[/] {escape(doubt)}")
     if moved:
         save_cloud(moved, scan.file.moved(scan.T_model_scene))
     if output:
-        write_whole(output, f"{as_text(scan)}\n".encode())
+        write_whole(output, f"{text}\n".encode())
     else:
-        print(as_text(scan))
+        print(text)
     return 3 if strict and not scan.sure else None
 
 

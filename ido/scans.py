@@ -84,7 +84,7 @@ def register_scan(maps: Maps, cloud: str, settings: ScanSettings, *, whole: bool
     Raises:
         CloudError: the file cannot be used.
     """
-    return registered_scan(maps, *_opened(cloud, settings, whole), settings)
+    return registered_scan(maps, *opened(cloud, drop_invalid=settings.drop_invalid, whole=whole), settings)
 
 
 def registered_scan(maps: Maps, file: CloudFile, used: UsedPoints, settings: ScanSettings) -> RegisteredScan:
@@ -122,9 +122,14 @@ def as_text(scan: RegisteredScan) -> str:
     return json.dumps(as_json(scan), indent=2, allow_nan=False)
 
 
-def _opened(cloud: str, settings: ScanSettings, whole: bool) -> tuple[CloudFile, UsedPoints]:
+def opened(cloud: str, *, drop_invalid: bool, whole: bool) -> tuple[CloudFile, UsedPoints]:
+    """A cloud file, or a shipped shape by name, and the points that it gives.
+
+    Raises:
+        CloudError: the file cannot be used.
+    """
     if cloud not in SHAPES:
-        return open_cloud(cloud, whole=whole, drop_invalid=settings.drop_invalid)
+        return open_cloud(cloud, whole=whole, drop_invalid=drop_invalid)
     shipped = shipped_cloud(cloud)
     points = shipped.frame.to_user_units(shipped.points)
     return CloudFile(points), UsedPoints(points, len(points), 0, ())

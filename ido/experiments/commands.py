@@ -16,7 +16,8 @@ from tyro.conf import Positional, arg
 from tyro.extras import SubcommandApp
 
 from ido.console import note, progress_bar
-from ido.experiments.execution import FAILED, MOST_SCENES, Experiment, run
+from ido.experiments.beyond import BEYOND
+from ido.experiments.execution import ALL_LEVELS, FAILED, MOST_SCENES, Experiment, run
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.report import report_command
 from ido.experiments.store import Row, Store
@@ -29,7 +30,7 @@ from ido.shipped import SHAPES
 if TYPE_CHECKING:
     DatasetName = MethodName = SweepName = str
 else:
-    DatasetName, MethodName, SweepName = Literal[tuple(SHAPES)], Literal[COMPARED_METHODS], Literal[tuple(LEVELS)]
+    DatasetName, MethodName, SweepName = Literal[tuple(SHAPES)], Literal[COMPARED_METHODS], Literal[tuple(ALL_LEVELS)]
 
 app = SubcommandApp()
 """`ido experiment ...`."""
@@ -40,13 +41,14 @@ app.command(name="tune")(tune_command)
 
 @app.command(name="run")
 def run_command(
-    what: Positional[Literal["paper"]] = "paper",
+    what: Positional[Literal["paper", "beyond"]] = "paper",
     output: Annotated[Path, arg(aliases=["-o"], metavar="FILE.sqlite")] = Path("ido-results.sqlite"),
     datasets: tuple[DatasetName, ...] = tuple(SHAPES),
-    sweeps: tuple[SweepName, ...] = tuple(LEVELS),
+    sweeps: tuple[SweepName, ...] | None = None,
     methods: Annotated[tuple[MethodName, ...], arg(metavar="METHOD ...")] = COMPARED_METHODS,
     levels: tuple[float, ...] | None = None,
     scenes: int = MOST_SCENES,
+    polish: bool = False,
     workers: int | None = None,
     dask: Annotated[str | None, arg(metavar="ADDRESS")] = None,
 ) -> int | None:
@@ -60,17 +62,24 @@ def run_command(
     sweep. The exit code is 130 after Ctrl-C.
 
     Args:
-        what: The experiment.
+        what: The experiment: the paper's sweeps, or scenes beyond them, which no method was made for: a single view,
+            holes, clutter of another shape, uneven density.
         output: Where the results go; a file already there is continued.
         datasets: Shapes to perturb.
-        sweeps: Which perturbations to vary.
+        sweeps: Which perturbations to vary, or which scenes beyond. Default: all of the experiment.
         methods: Methods to compare, each in quotes.
         levels: Only these levels of the sweeps, where a sweep has them. Default: all.
         scenes: Scenes at each level, at most 100. Fewer are the first of more.
+        polish: Also run each method with its last pose brought to the top of the likelihood near it.
         workers: Processes on this machine. Default: one for each core.
         dask: Work on the Dask cluster with this scheduler (tcp://HOST:PORT), whose workers have this program, too.
     """
-    experiment = Experiment(datasets=datasets, sweeps=sweeps, methods=methods, levels=levels, scenes=scenes)
+    its_sweeps = tuple(LEVELS if what == "paper" else BEYOND)
+    if strange := set(sweeps or ()) - set(its_sweeps):
+        raise ValueError(f"{', '.join(sorted(strange))}: not of this experiment; choose from {', '.join(its_sweeps)}")
+    experiment = Experiment(
+        datasets=datasets, sweeps=sweeps or its_sweeps, methods=methods, levels=levels, scenes=scenes, polish=polish
+    )
     try:
         with (
             executor_of(workers, dask) as (executor, in_flight),

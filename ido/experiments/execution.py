@@ -15,12 +15,13 @@ from itertools import groupby
 
 import numpy as np
 
+from ido.experiments.beyond import BEYOND, beyond_scene, beyond_seed
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.store import Key, Row, Settings
 from ido.experiments.sweeps import LEVELS, level_scene
 from ido.experiments.workers import share_out
-from ido.methods import Method, method_names, shipped_method
-from ido.perturbation import Perturbation, perturb
+from ido.methods import POLISHED, Method, from_any_start, method_names, shipped_method
+from ido.perturbation import Perturbation, Scene, perturb
 from ido.scores import score
 from ido.shipped import SHAPES, shipped_cloud
 
@@ -32,6 +33,9 @@ SEED = 1_000_000
 
 FAILED = "failed"
 """Stop reason of a registration that raised an error."""
+
+ALL_LEVELS: dict[str, tuple[float, ...]] = {**LEVELS, **{kind: tuple(its.levels) for kind, its in BEYOND.items()}}
+"""Levels of the paper's sweeps, and of the kinds of scenes beyond them."""
 
 _TRIALS = 10  # of a chunk: seconds of work, and no more is lost by a kill
 _one_at_a_time = threading.Lock()
@@ -52,15 +56,16 @@ class Chunk:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Experiment:
-    """The paper's experiment, or a part of it.
+    """The paper's experiment, or a part of it, or of the scenes beyond it.
 
     Args:
         datasets: shapes whose clouds are perturbed.
-        sweeps: perturbations that are varied.
+        sweeps: perturbations that are varied, or kinds of scenes beyond them.
         methods: each runs on the datasets that it has maps for.
         levels: of the sweeps, those that have them; None for all.
         scenes: scenes at each level, the same for all methods; fewer scenes are the first of more.
         seed: first seed.
+        polish: whether each method runs a second time, with its last pose polished.
 
     Raises:
         ValueError: something is unknown or out of range, or nothing is left to run.
@@ -72,15 +77,18 @@ class Experiment:
     levels: tuple[float, ...] | None = None
     scenes: int = MOST_SCENES
     seed: int = SEED
+    polish: bool = False
 
     def __post_init__(self) -> None:
         _check_names("dataset", self.datasets, SHAPES)
-        _check_names("sweep", self.sweeps, LEVELS)
+        _check_names("sweep", self.sweeps, ALL_LEVELS)
         _check_names("method", self.methods, COMPARED_METHODS)
         if not self.pairs:
             raise ValueError(f"no maps of {', '.join(self.methods)} are shipped for {', '.join(self.datasets)}")
         if self.levels is not None:
-            _check_names("level", self.levels, dict.fromkeys(level for sweep in self.sweeps for level in LEVELS[sweep]))
+            _check_names(
+                "level", self.levels, dict.fromkeys(level for sweep in self.sweeps for level in ALL_LEVELS[sweep])
+            )
         if not 1 <= self.scenes <= MOST_SCENES:
             raise ValueError(f"scenes must lie between 1 and {MOST_SCENES}, not {self.scenes}")
 
@@ -88,7 +96,13 @@ class Experiment:
     def pairs(self) -> list[tuple[str, str]]:
         """Each dataset with each method that can register it."""
         shapes = [shape for shape in SHAPES if shape in self.datasets]
-        return [(shape, name) for shape in shapes for name in method_names(shape) if name in self.methods]
+        return [
+            (shape, name + suffix)
+            for shape in shapes
+            for name in (*method_names(shape), *from_any_start(shape))
+            if name in self.methods
+            for suffix in ("", POLISHED)[: 1 + self.polish]
+        ]
 
     @property
     def keys(self) -> list[Key]:
@@ -96,8 +110,8 @@ class Experiment:
         something of all, and the time that is left can be told from the time that has passed."""
         levels = [
             (sweep, float(level))
-            for sweep in LEVELS
-            for level in LEVELS[sweep]
+            for sweep, its_levels in ALL_LEVELS.items()
+            for level in its_levels
             if sweep in self.sweeps and (self.levels is None or level in self.levels)
         ]
         return [
@@ -176,9 +190,8 @@ def _warmed_up(dataset: str, name: str) -> Method:
 
 
 def _register(chunk: Chunk, trial: int, method: Method) -> Row:
-    perturbation = level_scene(_base(chunk.dataset), chunk.sweep, chunk.level, trial, MOST_SCENES, chunk.seed)
-    scene = perturb(shipped_cloud(chunk.dataset), perturbation)
-    row = partial(Row, chunk.dataset, chunk.method, chunk.sweep, chunk.level, trial, perturbation.seed)
+    scene, seed = _scene(chunk, trial)
+    row = partial(Row, chunk.dataset, chunk.method, chunk.sweep, chunk.level, trial, seed)
     began = time.perf_counter()
     try:
         track = method.register(scene.points)
@@ -197,6 +210,15 @@ def _register(chunk: Chunk, trial: int, method: Method) -> Row:
         track.iterations,
         str(track.stop),
     )
+
+
+def _scene(chunk: Chunk, trial: int) -> tuple[Scene, int]:
+    """A scene and its seed."""
+    if chunk.sweep in BEYOND:
+        seed = beyond_seed(chunk.sweep, chunk.level, trial, MOST_SCENES, chunk.seed)
+        return beyond_scene(chunk.dataset, chunk.sweep, chunk.level, seed), seed
+    its = level_scene(_base(chunk.dataset), chunk.sweep, chunk.level, trial, MOST_SCENES, chunk.seed)
+    return perturb(shipped_cloud(chunk.dataset), its), its.seed
 
 
 def run(chunks: Iterable[Chunk], executor: Executor, in_flight: int, record: Callable[[list[Row]], None]) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ido.methods import LEARNED
+from ido.methods import FROM_ANY_START, LEARNED, MANY_STARTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +40,13 @@ def _baseline(title: str, paper: str, color: str, marker: str) -> Family:
 
 def _learned(title: str, color: str, marker: str) -> Family:
     """A learned method with its variants, ``Title (variant)``."""
-    others = [name for name in LEARNED if name.startswith(f"{title} (")]
-    variants = tuple((name.removeprefix(f"{title} (").rstrip(")"), name) for name in others)
-    return Family(title, title, (("here", title), *variants), color, marker)
+    many = tuple((name.removeprefix(f"{title}, "), name) for name, one in MANY_STARTS.items() if one == title)
+    return Family(title, title, (("here", title), *_in_brackets(title, LEARNED), *many), color, marker)
+
+
+def _in_brackets(title: str, names: Iterable[str]) -> tuple[tuple[str, str], ...]:
+    """The variants that are called ``Title (variant)``."""
+    return tuple((n.removeprefix(f"{title} (").rstrip(")"), n) for n in names if n.startswith(f"{title} ("))
 
 
 LEARNED_FAMILIES: tuple[Family, ...] = (_learned("DO", "#0072B2", "o"), _learned("Improved DO", "#D55E00", "s"))
@@ -54,9 +59,11 @@ BASELINE_FAMILIES: tuple[Family, ...] = (
     _baseline("KCCE (reconstruction)", "KCCE", "#000000", "P"),
 )
 
+GLOBAL = Family("Global", None, (("here", "Global"), *_in_brackets("Global", FROM_ANY_START)), "#8C4A2F", "*")
+
 NOTHING = Family("Did nothing", None, (("here", "Did nothing"),), "#777777", "")
 
-FAMILIES: tuple[Family, ...] = (*LEARNED_FAMILIES, *BASELINE_FAMILIES, NOTHING)
+FAMILIES: tuple[Family, ...] = (*LEARNED_FAMILIES, *BASELINE_FAMILIES, GLOBAL, NOTHING)
 """All of them, in the order of the report."""
 
 COMPARED_METHODS: tuple[str, ...] = tuple(method for family in FAMILIES for _, method in family.variants)

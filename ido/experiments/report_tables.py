@@ -12,7 +12,7 @@ from ido.experiments.estimates import Costs, Estimate, level_estimates, sweep_es
 from ido.experiments.families import COMPARED_METHODS, FAMILIES, Family
 from ido.experiments.paper import ROW_NAMES, SCORE_TITLES, PaperTable
 from ido.experiments.sweeps import LEVELS
-from ido.methods import method_names
+from ido.methods import from_any_start, method_names
 from ido.perturbation import RANGES, Perturbation
 from ido.registration import StopReason
 from ido.results import Results
@@ -25,7 +25,7 @@ _NO_NUMBER = '<td class="none">–</td>'
 
 def methods_of(dataset: str) -> list[str]:
     """The methods that can register a dataset, in the order of the report."""
-    known = method_names(dataset)
+    known = (*method_names(dataset), *from_any_start(dataset))
     return [method for method in COMPARED_METHODS if method in known]
 
 
@@ -39,7 +39,7 @@ def score_table(results: Results, table: PaperTable) -> str:
 
 
 def _family_rows(of_dataset: Results, family: Family, table: PaperTable, best: Mapping[str, float]) -> list[str]:
-    known = method_names(table.dataset)
+    known = methods_of(table.dataset)
     rows = []
     if family.paper:
         cells = "".join(_paper_cell(table, sweep, family.paper) for sweep in ROW_NAMES)

@@ -26,7 +26,7 @@ from ido.experiments.execution import FAILED, Chunk, Experiment, run, run_chunk
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.store import Row, Store
 from ido.experiments.workers import local_executor
-from ido.methods import method_names, shipped_method
+from ido.methods import from_any_start, method_names, shipped_method
 
 SMALL = ("--sweeps", "points", "--methods", "DO", "ICP, default", "--scenes", "3")
 EXPERIMENT = Experiment(sweeps=("points",), methods=("DO", "ICP, default"), scenes=3)
@@ -74,7 +74,8 @@ def ctrl_c() -> None:
 def test_the_whole_paper_is_planned_by_default():
     keys = Experiment().keys
     n_levels = sum(map(len, LEVELS.values()))
-    assert len(keys) == len(set(keys)) == n_levels * 100 * (len(method_names("bunny")) + len(method_names("urban")))
+    n_methods = sum(len(names(shape)) for shape in ("bunny", "urban") for names in (method_names, from_any_start))
+    assert len(keys) == len(set(keys)) == n_levels * 100 * n_methods
     chunks = Experiment().missing(())
     assert [key for c in chunks for key in keys_of(c)] == keys
     assert max(len(chunk.trials) for chunk in chunks) == 10

@@ -24,7 +24,7 @@ from ido.experiments.report import report_command
 from ido.experiments.report_page import figure_html, page
 from ido.experiments.report_tables import levels_table, score_table, settings_table, settings_text, time_text
 from ido.experiments.store import Row, Store
-from ido.methods import BASELINES, LEARNED, method_names
+from ido.methods import BASELINES, FROM_ANY_START, LEARNED, MANY_STARTS, from_any_start, method_names
 from ido.shipped import shipped_maps, shipped_results
 
 SETTINGS = {("bunny", name): {"cutoff": 0.3, "fingerprint": "f00d"} for name in ("DO", "ICP, tuned", "Did nothing")}
@@ -314,7 +314,7 @@ def test_what_was_not_run_says_so_and_is_never_a_number(folder: Path, results: R
     assert "The sweeps of this cloud were not run." in html
     assert "The number of scenes at a level is uneven, 2 to 8; the paper has 100." in html
     n_levels = sum(len(levels) for levels in LEVELS.values())
-    n_methods = len(method_names("bunny")) + len(method_names("urban"))
+    n_methods = sum(len(names(shape)) for shape in ("bunny", "urban") for names in (method_names, from_any_start))
     assert f"Not everything was run:</b> {3 * n_levels - 5} of {n_levels * n_methods} levels" in html
 
 
@@ -384,7 +384,7 @@ def test_the_levels_file_has_every_level_that_was_run_and_no_other(folder: Path,
 
 
 def test_every_method_belongs_to_one_family_and_all_families_look_different():
-    assert sorted(COMPARED_METHODS) == sorted([*LEARNED, *BASELINES])
+    assert sorted(COMPARED_METHODS) == sorted([*LEARNED, *BASELINES, *FROM_ANY_START, *MANY_STARTS])
     assert len({family.color for family in FAMILIES}) == len({family.marker for family in FAMILIES}) == len(FAMILIES)
 
 

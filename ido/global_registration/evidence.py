@@ -1,0 +1,124 @@
+"""What can be known of a pose without the truth: what it explains, how far it leads, and how firmly it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from ido.global_registration.cut_plane import Posterior, Refined
+from ido.kernels import pose_of
+from ido.poses import transform
+from ido.types import DoubleArray, FloatArray
+
+NEAR = 0.1
+"""A part of the model is covered when an explained point lies within this distance of it (model units)."""
+
+_STEP = 0.01  # rad, model units: over the kinks of the field between its corners
+_TEMPER = 3.0  # the field is of samples itself, so likelihoods differ by a few where poses are equal
+_LOOSEST = 1.0  # deviation that a pose can have along any direction (rad, model units)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """Figures of a pose, all without units of the scene's size.
+
+    Args:
+        explained: how many points of the scene the model explains, repeated ones counted once.
+        share: of the points that it explains.
+        gain: log-likelihood that the model adds to the outliers alone, per explained point.
+        deficit: by how much the explained points' mean log-density is lower than that of the model's own points.
+        margin: log-likelihood of all points, repeated ones counted once, over that of the second-best pose; inf when
+            there is no second.
+        weight: of the pose among all that it was chosen from, by their likelihoods; at most 1.
+        covered: share of the model, of what the plane keeps, that has an explained point near.
+        seen: share of the model that the plane keeps.
+        sigma: width of the field that fits best (model units).
+        error: expected error of a point of the model (root mean square, model units).
+        covariance: of the pose: shift (model units) and turn (rad) in the model's frame, shape (6, 6).
+    """
+
+    explained: float
+    share: float
+    gain: float
+    deficit: float
+    margin: float
+    weight: float
+    covered: float
+    seen: float
+    sigma: float
+    error: float
+    covariance: DoubleArray
+
+    @classmethod
+    def of(cls, posterior: Posterior, best: Refined, others: Sequence[Refined]) -> Evidence:
+        """The evidence for a pose.
+
+        Args:
+            posterior: of the scene that it was found for.
+            best: the pose and its plane.
+            others: those that it was chosen over, none alike, the likeliest first.
+        """
+        points, model = posterior.points, posterior.model
+        n = len(np.unique(points, axis=0))  # what is repeated says nothing new
+        margins = [n * (best.log_likelihood - other.log_likelihood) for other in others]
+        moved = transform(best.T, points)
+        density = posterior.field(moved).astype(np.float64)
+        member = posterior.explained(best.T) * (moved @ best.normal < best.offset)
+        share = float(member.mean())
+        own = posterior.field(model).astype(np.float64)
+        at_home = float(np.log(own).mean()) - 0.5  # points that are noisy lie a little beside the densest places
+        reached = float((member * np.log(density + 1e-9)).mean() / max(share, 1e-9))
+        kept = model[model @ best.normal < best.offset]
+        near = moved[member > 0.5]
+        covered = float((KDTree(near).query(kept)[0] < NEAR).mean()) if len(near) and len(kept) else 0.0
+        covariance = _covariance(posterior, best)
+        return cls(
+            explained=share * n,
+            share=share,
+            gain=(best.log_likelihood - _alone(posterior)) / max(share, 1 / n),
+            deficit=at_home - reached,
+            margin=min(margins, default=np.inf),
+            weight=float(1 / (1 + sum(np.exp(-max(margin, 0.0) / _TEMPER) for margin in margins))),
+            covered=covered,
+            seen=len(kept) / len(model),
+            sigma=best.sigma,
+            error=_error(covariance, model.astype(np.float64)),
+            covariance=covariance,
+        )
+
+
+def _alone(posterior: Posterior) -> float:
+    """Log-likelihood per point where all are outliers, with the best share of the ball."""
+    uniform, ball = posterior.background.uniform, posterior.background.ball
+    shares = np.linspace(0, 0.98, 25) if ball.any() else np.zeros(1)
+    return float(np.log(shares[:, None] * ball + (1 - shares[:, None]) * uniform).mean(axis=1).max())
+
+
+def _covariance(posterior: Posterior, best: Refined) -> DoubleArray:
+    """The inverse of the negative log-likelihood's curvature, by differences of its gradient."""
+    curvature = np.empty((6, 6))
+    for i, step in enumerate(_STEP * np.eye(6)):
+        ahead, behind = (posterior(moved_by(s * step, best.T), best.normal, best.offset)[1][:6] for s in (1, -1))
+        curvature[i] = (behind - ahead) * len(posterior.points) / (2 * _STEP)
+    values, vectors = np.linalg.eigh((curvature + curvature.T) / 2)
+    return (vectors / np.maximum(values, _LOOSEST**-2)) @ vectors.T
+
+
+def moved_by(motion: FloatArray, T: FloatArray) -> DoubleArray:
+    """A pose (4, 4) turned about the model's origin and then shifted: motion (6,) is shift first, turn last."""
+    moved = pose_of(np.concatenate([np.zeros(3), motion[3:]])) @ T
+    moved[:3, 3] += motion[:3]
+    return moved
+
+
+def _error(covariance: DoubleArray, model: DoubleArray) -> float:
+    """Root mean square over the model's points of the deviation that a pose's covariance gives them."""
+    x, y, z = model.T
+    zero, one = np.zeros(len(model)), np.ones(len(model))
+    motion = np.array(
+        [[one, zero, zero, zero, z, -y], [zero, one, zero, -z, zero, x], [zero, zero, one, y, -x, zero]]
+    )  # of a point by shift and turn, (3, 6, M)
+    return float(np.sqrt(np.einsum("aim,ij,ajm->m", motion, covariance, motion).mean()))
