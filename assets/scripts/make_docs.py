@@ -147,6 +147,8 @@ def summary() -> str:
     for family in FAMILIES:
         tuned = family in BASELINE_FAMILIES
         for variant, method in family.variants[:1] if tuned else family.variants:
+            if not len(results.where(method=method)):
+                continue
             cells = []
             for shape in SHAPES:
                 cells.append(_papers_mean(shape, family) if method == family.main else "")

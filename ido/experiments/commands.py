@@ -78,7 +78,12 @@ def run_command(
     if strange := set(sweeps or ()) - set(its_sweeps):
         raise ValueError(f"{', '.join(sorted(strange))}: not of this experiment; choose from {', '.join(its_sweeps)}")
     experiment = Experiment(
-        datasets=datasets, sweeps=sweeps or its_sweeps, methods=methods, levels=levels, scenes=scenes, polish=polish
+        datasets=datasets,
+        sweeps=its_sweeps if sweeps is None else sweeps,
+        methods=methods,
+        levels=levels,
+        scenes=scenes,
+        polish=polish,
     )
     try:
         with (
