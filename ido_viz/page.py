@@ -7,12 +7,14 @@ import viser
 from ido_viz.canvas.canvas import Canvas
 from ido_viz.core.actions import Actions
 from ido_viz.core.address import fragment_of
+from ido_viz.core.basin import Basin
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
 from ido_viz.core.state import State
 from ido_viz.files.downloads import DownloadFolder
 from ido_viz.panels.address_bar import AddressBar
+from ido_viz.panels.basin_tab import BasinTab
 from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
 from ido_viz.panels.controls import Controls
@@ -77,6 +79,8 @@ class Page:
             self._errors = ErrorsTab(gui)
         with lower.add_tab("Compare"), _kept(telling, gui):
             self._compare = CompareTab(gui, actions)
+        with lower.add_tab("Basin"), _kept(telling, gui):
+            self._basin = BasinTab(gui, actions)
         with lower.add_tab("Sweeps"), _kept(telling, gui):
             self._sweeps = SweepsTab(gui, actions.open_scene, actions.redraw)
         with lower.add_tab("Inspect"):
@@ -120,7 +124,7 @@ class Page:
         """Put a link into the browser's clipboard."""
         self._address.copy(link)
 
-    def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
+    def draw(self, frame: Frame, comparison: Comparison, basin: Basin, *, may_cancel: bool) -> None:
         """Draw a frame; `may_cancel` offers to cancel slow methods."""
         state = frame.state
         self._set_theme(state.dark)
@@ -130,6 +134,7 @@ class Page:
         for tab in (self._inspect, self._histograms, self._maps, self._errors, self._training):
             tab.draw(frame)
         self._compare.draw(comparison, state)
+        self._basin.draw(frame, basin)
         self._sweeps.draw(state)
         self._derivations.draw(state.dark)
         self._controls.draw(frame, may_cancel=may_cancel)

@@ -61,6 +61,7 @@ class Session(Requests):
             self._closed = True
             self._live.close()
             self._comparison.cancel()
+            self._basin.cancel()
             self._awake.notify()
 
     # The thread
@@ -156,7 +157,7 @@ class Session(Requests):
             if self._charts_are_old:
                 page.renew_charts()
                 self._charts_are_old = False
-            page.draw(frame, self._comparison, may_cancel=self._live.slow)
+            page.draw(frame, self._comparison, self._basin, may_cancel=self._live.slow)
             self._drawn = frame
             if not self._dirty:  # the slider may have been dragged on meanwhile
                 page.show_iteration(frame)

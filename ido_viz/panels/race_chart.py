@@ -10,8 +10,6 @@ import viser
 from ido.types import DoubleArray
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame
-from ido_viz.core.run import MethodRun
-from ido_viz.core.state import State
 from ido_viz.panels.markup import caption
 from ido_viz.panels.plot import Plot, plain_axes
 
@@ -25,23 +23,23 @@ class RaceChart:
     def __init__(self, gui: viser.GuiApi) -> None:
         self._folder = gui.add_folder(None, visible=False)
         with self._folder:
-            gui.add_html(caption("log-likelihood per point of the last starts; it steps where the points change"))
+            gui.add_html(caption("log-likelihood per point of the starts that got to the end"))
             self._plot = Plot(gui, height=92)
         self._look: tuple[object, ...] | None = None
 
-    def draw(self, frame: Frame) -> None:
-        """Draw the curves of a run and mark the iteration."""
+    def draw(self, frame: Frame, last: float) -> None:
+        """Draw the curves of a run up to an iteration, and mark the shown one."""
         raced = any(side.run.race is not None for side in frame.sides)
         if self._folder.visible != raced:
             self._folder.visible = raced
         if not raced:
             return
         data = chart_data(frame)
-        look = (*(side.run.race for side in frame.sides), frame.state.dark, frame.state.large_text)
+        look = (*(side.run.race for side in frame.sides), last, frame.state.dark, frame.state.large_text)
         if look == self._look:
             self._plot.draw(data)
         else:
-            self._plot.restyle(data, *_style(frame.run.sides, data, frame.state))
+            self._plot.restyle(data, *_style(frame, data, last))
         self._look = look
 
 
@@ -54,15 +52,14 @@ def chart_data(frame: Frame) -> tuple[DoubleArray, ...]:
         if side.run.race is not None:
             found = side.run.race.survivors(_MOST)
             its[: len(found), 1 : found.shape[1] + 1] = found
+        shown = 0 if side.run.race is None or side.k == 0 else side.run.race.step(side.k) + 1
         curves += [*its]
-        marks.append(np.where(iterations == side.k, its[0], np.nan))
+        marks.append(np.where(iterations == shown, its[0], np.nan))
     return (iterations, *curves, *marks)
 
 
-def _style(
-    sides: tuple[MethodRun, MethodRun], data: tuple[DoubleArray, ...], state: State
-) -> tuple[list[Any], dict[str, Any], list[Any]]:
-    colors = [palette.method_color(side.method, state.dark) for side in sides]
+def _style(frame: Frame, data: tuple[DoubleArray, ...], last: float) -> tuple[list[Any], dict[str, Any], list[Any]]:
+    colors = [palette.method_color(side.run.method, frame.state.dark) for side in frame.sides]
     series: list[Any] = [{"label": "iteration"}]
     for color in colors:
         others = {"stroke": palette.css(color, 0.45), "width": 1, "points": {"show": False}}
@@ -75,7 +72,7 @@ def _style(
     low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
     room = _ROOM * max(high - low, 0.1)
     scales = {
-        "x": {"time": False, "auto": False, "range": (0.0, float(data[0][-1]))},
+        "x": {"time": False, "auto": False, "range": (0.0, last)},
         "y": {"auto": False, "range": (low - room, high + room)},
     }
-    return series, scales, plain_axes(state)
+    return series, scales, plain_axes(frame.state)

@@ -23,7 +23,7 @@
     if (event.target.closest?.("[role=option]")) setTimeout(() => document.activeElement?.blur(), 50);
   });
 
-  // A click into a heatmap, a histogram or a list of bins picks a bin. It is told to the server through a text field,
+  // A click into a heatmap, a histogram or a list of bins picks a bin, one into the map of a basin a start. It is told to the server through a text field,
   // the one thing that a page of viser can write into; people do not see it.
   const FIELD = "Picked bin";
   let picks = 0;
@@ -53,6 +53,8 @@
       if (!(target instanceof Element)) return;
       const listed = target.closest("[data-bin]");
       if (listed) return tell(`bin ${listed.dataset.pane} ${listed.dataset.bin}`);
+      const start = target.closest("[data-start]");
+      if (start) return tell(`start 0 ${start.dataset.start}`);
       const heatmap = target.closest("[data-heatmap]");
       if (heatmap) return tell(`${heatmap.dataset.heatmap} ${heatmap.dataset.pane} ${share(event, heatmap)}`);
       const chart = target.closest(".uplot")?.querySelector(".u-over");
