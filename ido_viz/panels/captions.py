@@ -32,7 +32,7 @@ canvas[data-engine] { anchor-name: --canvas; }
 @supports (left: anchor(left)) { .over-canvas { left: anchor(left); right: anchor(right); } }
 .names { top: 0.6rem; height: 3.4rem; }
 .verdicts { bottom: 1.9rem; height: 4.1rem; }
-.sureness { bottom: 5.9rem; height: 5rem; align-items: flex-end; }
+.sureness { bottom: 5.9rem; height: 6rem; align-items: flex-end; }
 .legend { bottom: 0.5rem; height: 1.2rem; justify-content: center; }
 @supports (left: anchor(left)) {
   .names { top: calc(anchor(top) + 0.6rem); }

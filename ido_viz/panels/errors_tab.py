@@ -38,8 +38,7 @@ class ErrorsTab:
     def draw(self, frame: Frame) -> None:
         """Draw the curves of a run and mark the iteration."""
         run, state = frame.run, frame.state
-        scales = _scales(run)
-        look = (*scales, *(side.method for side in run.sides), state.dark, state.large_text)
+        look = (*_scales(run), *(side.method for side in run.sides), state.dark, state.large_text)
         for name, plot in self._plots.items():
             data = _data(frame, name)
             if look == self._look:
@@ -49,7 +48,7 @@ class ErrorsTab:
         if look != self._look:
             self._caption.content = caption(both_methods(run, state.dark))
         self._look = look
-        self._race.draw(frame, scales[0])
+        self._race.draw(frame)
 
 
 def _data(frame: Frame, name: str) -> tuple[DoubleArray, ...]:

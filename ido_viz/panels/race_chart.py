@@ -27,25 +27,29 @@ class RaceChart:
             self._plot = Plot(gui, height=92)
         self._look: tuple[object, ...] | None = None
 
-    def draw(self, frame: Frame, last: float) -> None:
-        """Draw the curves of a run up to an iteration, and mark the shown one."""
+    def draw(self, frame: Frame) -> None:
+        """Draw the curves of a run and mark the iteration."""
         raced = any(side.run.race is not None for side in frame.sides)
         if self._folder.visible != raced:
             self._folder.visible = raced
         if not raced:
             return
         data = chart_data(frame)
-        look = (*(side.run.race for side in frame.sides), last, frame.state.dark, frame.state.large_text)
+        look = (*(side.run.race for side in frame.sides), frame.state.dark, frame.state.large_text)
         if look == self._look:
             self._plot.draw(data)
         else:
-            self._plot.restyle(data, *_style(frame, data, last))
+            self._plot.restyle(data, *_style(frame, data))
         self._look = look
 
 
 def chart_data(frame: Frame) -> tuple[DoubleArray, ...]:
-    """Iterations; for each side its curves, the best one first, gaps where there are fewer; for each side its mark."""
-    iterations = np.arange(frame.run.iterations + 1, dtype=np.float64)
+    """What is drawn of the races: their iterations; for each side its curves, the best one first; for each its mark.
+
+    There are gaps where a side has fewer curves or none.
+    """
+    longest = max(side.run.race.steps + 1 for side in frame.sides if side.run.race is not None)
+    iterations = np.arange(longest + 1, dtype=np.float64)
     curves, marks = [], []
     for side in frame.sides:
         its = np.full((_MOST, len(iterations)), np.nan)
@@ -58,7 +62,7 @@ def chart_data(frame: Frame) -> tuple[DoubleArray, ...]:
     return (iterations, *curves, *marks)
 
 
-def _style(frame: Frame, data: tuple[DoubleArray, ...], last: float) -> tuple[list[Any], dict[str, Any], list[Any]]:
+def _style(frame: Frame, data: tuple[DoubleArray, ...]) -> tuple[list[Any], dict[str, Any], list[Any]]:
     colors = [palette.method_color(side.run.method, frame.state.dark) for side in frame.sides]
     series: list[Any] = [{"label": "iteration"}]
     for color in colors:
@@ -72,7 +76,7 @@ def _style(frame: Frame, data: tuple[DoubleArray, ...], last: float) -> tuple[li
     low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
     room = _ROOM * max(high - low, 0.1)
     scales = {
-        "x": {"time": False, "auto": False, "range": (0.0, last)},
+        "x": {"time": False, "auto": False, "range": (0.0, float(len(data[0]) - 1))},
         "y": {"auto": False, "range": (low - room, high + room)},
     }
     return series, scales, plain_axes(frame.state)

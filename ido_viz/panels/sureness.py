@@ -11,10 +11,11 @@ from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.verdict import Verdict
 
 _VERY_SURE = 0.95
+_MOST_REASONS = 2  # there is room for
 
 
 def sureness_html(side: SideFrame, frame: Frame) -> str:
-    """The probability that a pane's pose is right, with the reasons for doubt; nothing before the end."""
+    """The probability that a pane's pose is right, with the first reasons for doubt; nothing before the end."""
     sure, dark = side.run.confidence, frame.state.dark
     ended = frame.held or side.verdict is not Verdict.MOVING
     if sure is None or not ended or frame.inside is not None or "scores" in frame.state.hidden:
@@ -22,8 +23,8 @@ def sureness_html(side: SideFrame, frame: Frame) -> str:
     color = palette.css(palette.text(palette.verdict_color(_like(sure)), dark))
     return (
         f'<b style="font-size:1.5rem;color:{color}">{percent(sure.probability)} sure</b>'
-        f'<div style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'
-        f"{html.escape('; '.join(sure.reasons) or 'without knowing the truth')}</div>"
+        f'<div style="font-size:0.75rem;color:{palette.css(palette.ink(dark))}">'
+        f"{html.escape('; '.join(sure.reasons[:_MOST_REASONS]) or 'without knowing the truth')}</div>"
     )
 
 
