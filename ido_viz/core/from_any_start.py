@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 
@@ -14,6 +15,7 @@ GLOBAL = "Global"
 """The global method with all that it assumes of a scene; without parts of it, it is in the experiments alone."""
 
 _KEPT = 4  # shapes whose fields are kept, 60 MB each
+_ASKING = threading.Lock()  # two pages that ask at once must get the same
 
 
 def from_any_start(learned: Iterable[str]) -> tuple[str, ...]:
@@ -34,7 +36,9 @@ def method_from_any_start(
         model: what its result is shown on.
         report: told how far the fields are; what it raises ends the waiting for them.
     """
-    fields = _fields(cloud).get(report)
+    with _ASKING:
+        shared = _fields(cloud)
+    fields = shared.get(report)
     starts = None if name == GLOBAL else ManyStarts(maps[MANY_STARTS[name]]())
     return Method.from_any_start(name, GlobalRegistration(fields, starts=starts), model)
 
