@@ -7,7 +7,7 @@ import viser
 from scipy.spatial.transform import Rotation
 
 from ido import Scene, poses
-from ido.types import DoubleArray
+from ido.types import DoubleArray, FloatArray
 from ido_viz.core import palette
 from ido_viz.core.frame import SideFrame
 from ido_viz.core.geometry import upright
@@ -81,7 +81,7 @@ class RaceView:
             self._fan.colors = np.array(palette.lighter(color, dark, 0.3), dtype=np.uint8)
 
 
-def darts(race: Race, T_model_scene: DoubleArray, up: tuple[float, float, float]) -> DoubleArray:
+def darts(race: Race, T_model_scene: FloatArray, up: tuple[float, float, float]) -> DoubleArray:
     """Where each start's dart is at each step in the model's frame, shape (n, steps + 1, 4, 4).
 
     Args:
