@@ -77,6 +77,7 @@ class Method:
         model: what scenes are registered onto.
         maps: what was learned; None for a method that learns nothing.
         histogram: what its poses are seen through; None for a baseline, which has none of its own.
+        registration: what tells all that was tried, of a method that registers from any start; None for others.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Method:
     model: Model
     maps: Maps | None = None
     histogram: Histogram | None = None
+    registration: GlobalRegistration | None = None
 
     @classmethod
     def learned(cls, name: str, maps: Maps, epsilon: float = EPSILON, max_iterations: int = MAX_ITERATIONS) -> Method:
@@ -111,7 +113,8 @@ class Method:
             maps: that the starts walk.
         """
         settings = {**asdict(registration.settings), "rotations": len(registration.model.search.rotations)}
-        return cls(name, settings, registration.register, model, maps, maps.histogram if maps else None)
+        histogram = maps.histogram if maps else None
+        return cls(name, settings, registration.register, model, maps, histogram, registration)
 
     def polished(self, model: GlobalModel) -> Method:
         """The same method, whose last pose is brought to the top of the likelihood near it."""
@@ -124,7 +127,8 @@ class Method:
             x, norms = np.vstack([track.x, poses.log(end)]), np.append(track.update_norms, step)
             return Trajectory(x, norms, track.stop, np.nan)
 
-        return replace(self, name=self.name + POLISHED, settings={**self.settings, "polished": True}, register=run)
+        settings = {**self.settings, "polished": True}
+        return replace(self, name=self.name + POLISHED, settings=settings, register=run, registration=None)
 
     @classmethod
     def own(

@@ -9,6 +9,7 @@ import viser
 from ido_viz.canvas.canvas import Canvas
 from ido_viz.core.actions import Actions
 from ido_viz.core.address import fragment_of
+from ido_viz.core.basin import Basin
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
@@ -18,6 +19,7 @@ from ido_viz.own.own_cloud_tab import NAME as OWN_CLOUD
 from ido_viz.own.own_cloud_tab import OwnCloudTab
 from ido_viz.own.workshop import Workshop
 from ido_viz.panels.address_bar import AddressBar
+from ido_viz.panels.basin_tab import BasinTab
 from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
 from ido_viz.panels.controls import Controls
@@ -100,6 +102,8 @@ class Page:
             self._errors = ErrorsTab(gui)
         with lower.add_tab("Compare"), _kept(telling, gui):
             self._compare = CompareTab(gui, actions)
+        with lower.add_tab("Basin"), _kept(telling, gui):
+            self._basin = BasinTab(gui, actions)
         with lower.add_tab("Sweeps"), _kept(telling, gui):
             self._sweeps = SweepsTab(gui, actions.open_scene, actions.redraw)
         with lower.add_tab("Inspect"):
@@ -159,14 +163,14 @@ class Page:
         """Put a link into the browser's clipboard."""
         self._address.copy(link)
 
-    def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
+    def draw(self, frame: Frame, comparison: Comparison, basin: Basin, *, may_cancel: bool) -> None:
         """Draw a frame; `may_cancel` offers to cancel slow methods."""
         state = frame.state
         self._set_theme(state.dark)
         self._canvas.draw(frame, lifted=self._lessons.is_open or frame.inside is not None)
         self._placing.draw(state)
         self._hide(state)
-        for name, draw in self._of_tabs(frame, comparison).items():
+        for name, draw in self._of_tabs(frame, comparison, basin).items():
             if name in self._open:
                 draw()
         if self._own is not None:
@@ -176,7 +180,7 @@ class Page:
         self._inside.draw(frame)
         self._lessons.draw(frame)
 
-    def _of_tabs(self, frame: Frame, comparison: Comparison) -> dict[str, Callable[[], None]]:
+    def _of_tabs(self, frame: Frame, comparison: Comparison, basin: Basin) -> dict[str, Callable[[], None]]:
         """How each tab of charts is drawn; those that are closed are not."""
         return {
             "Histograms": lambda: self._histograms.draw(frame),
@@ -185,6 +189,7 @@ class Page:
             "Maps": lambda: self._maps.draw(frame),
             "Errors": lambda: self._errors.draw(frame),
             "Compare": lambda: self._compare.draw(comparison, frame.state),
+            "Basin": lambda: self._basin.draw(frame, basin),
             "Sweeps": lambda: self._sweeps.draw(frame.state),
             "Inspect": lambda: self._inspect.draw(frame),
         }

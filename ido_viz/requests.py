@@ -18,6 +18,7 @@ from ido import Perturbation
 from ido.types import FloatArray
 from ido_viz.canvas.canvas import point_at
 from ido_viz.core.actions import Actions
+from ido_viz.core.basin import STARTS, Basin, start_of
 from ido_viz.core.clock import Clock
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame, shown_iteration
@@ -75,6 +76,7 @@ class Requests:
         self._run: Run | None = None
         self._live = LiveRun(library, self._wake)
         self._comparison = Comparison(library, self._wake)
+        self._basin = Basin(library, self._wake)
         self._history = History(state)
         self._arrive(client, state, address)
 
@@ -107,8 +109,10 @@ class Requests:
             link=self._link,
             copy_link=self._copy_link,
             cancel=self._live.cancel,
-            compare=self._compare,
+            compare=lambda: self._begin(self._comparison.begin),
             cancel_comparison=self._comparison.cancel,
+            map_basin=lambda: self._begin(self._basin.begin),
+            cancel_basin=self._cancel_basin,
             show_method=self._show_method,
             show_shape=self._show_shape,
             open_scene=self._open_scene,
@@ -243,14 +247,26 @@ class Requests:
     def _open_scene(self, choice: Choice) -> None:
         self._change(lambda state: self._library.checked(choice.at(state)), show=True)
 
-    def _compare(self) -> None:
+    def _begin(self, begin: Callable[[State], None]) -> None:
+        """Begin work in the background for the newest state."""
         with self._awake:
             if self._closed:
                 return
             if self._read_controls:
                 self._read()
-            self._comparison.begin(self._state)
+            begin(self._state)
         self._wake()
+
+    def _cancel_basin(self) -> None:
+        self._basin.cancel()
+        self._wake()
+
+    def _open_start(self, number: int) -> None:
+        def opened(state: State) -> State:
+            up = self._library.subject(state.shape).up
+            return replace(state, start=start_of(state, up, min(number, STARTS - 1)), inside=0.0)
+
+        self._change(opened, show=True, replays_after=AFTER_A_CHANGE)
 
     # Playing
 
@@ -333,6 +349,9 @@ class Requests:
             self._clear()
 
     def _pick(self, kind: str, pane: int, place: float) -> None:
+        if kind == "start":
+            self._open_start(int(place))
+            return
         drawn = self._drawn
         if drawn is None:
             return

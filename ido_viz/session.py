@@ -78,6 +78,7 @@ class Session(Requests):
         with self._awake:
             self._live.close()
             self._comparison.cancel()
+            self._basin.cancel()
 
     def leave(self) -> None:
         """Stop; what is computed goes on, for the page may come back."""
@@ -212,7 +213,7 @@ class Session(Requests):
             if self._charts_are_old:
                 page.renew_charts()
                 self._charts_are_old = False
-            page.draw(frame, self._comparison, may_cancel=self._live.slow)
+            page.draw(frame, self._comparison, self._basin, may_cancel=self._live.slow)
             self._drawn = frame
             if not self._dirty:  # the slider may have been dragged on meanwhile
                 page.show_iteration(frame)

@@ -14,6 +14,7 @@ from ido.types import BoolArray, FloatArray
 from ido_viz.canvas.diagram import Diagram
 from ido_viz.canvas.handles import Handles
 from ido_viz.canvas.model_view import ModelView
+from ido_viz.canvas.race_view import RaceView
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.geometry import error_vectors, quaternion, track_of, upright
@@ -96,6 +97,7 @@ class PaneView:
         self._overlay_points = cloud("overlay/points", palette.GUIDE, 0.02)
         self._handles = None if grabbed is None else Handles(scene, root, grabbed)
         self._diagram = Diagram(scene, root)
+        self._race = RaceView(scene, root)
         self._colors: np.ndarray | None = None
         self._drawn: tuple[object, ...] | None = None
         self._up: tuple[float, ...] | None = None
@@ -122,6 +124,7 @@ class PaneView:
         self._end.visible = frame.held
         self._connect(run.scene, side.T_model_scene, inspection, shown=state.error_vectors)
         self._lay_over(side.overlay)
+        self._race.draw(run.scene, side, run.subject.up, state.dark)
         if self._handles is not None:
             self._handles.draw(run.scene, side.T_model_scene, shown=state.handles)
         if self._label is not None:

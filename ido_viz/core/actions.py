@@ -31,6 +31,8 @@ class Actions:
     cancel: Callable[[], None]
     compare: Callable[[], None]
     cancel_comparison: Callable[[], None]
+    map_basin: Callable[[], None]
+    cancel_basin: Callable[[], None]
     show_method: Callable[[str, str], None]
     show_shape: Callable[[str], None]
     """Called with a shape's name; methods that cannot register it give way to others."""
@@ -43,7 +45,7 @@ class Actions:
     click: Callable[[FloatArray, FloatArray], None]
     """Called with origin and direction of the ray of a click in the 3D view."""
     pick: Callable[[str, int, float], None]
-    """Called with the kind, the pane and the place of a click into a picture of bins, as `panels.picking` has them."""
+    """Called with the kind, the pane and the place of a click into a picture, as `panels.picking` has them."""
     clear: Callable[[], None]
     grab: Callable[[int, str, FloatArray], None]
     """Called with a pane's number, the phase of a gesture (start, update, end) and where its handles are, (4, 4)."""

@@ -17,6 +17,8 @@ def legend_html(frame: Frame) -> str:
     parts += [f"{_dot(palette.OUTLIER)} outliers", f"{trail} its way"]
     if frame.state.ghost:
         parts.append(f'<span style="color:{palette.css(palette.GHOST)}">◇</span> where it belongs')
+    if any(side.run.race is not None for side in frame.sides):
+        parts.append("▸ a start, over its top")
     ink = palette.css(palette.ink(dark))
     return (
         f'<div style="font-size:0.75rem;white-space:nowrap;color:{ink}">'

@@ -16,6 +16,7 @@ from ido.perturbation import OutlierKind
 from ido.shipped import shipped_histograms, shipped_surface
 from ido.types import FloatArray, IntArray
 from ido_viz.core.background import Report
+from ido_viz.core.from_any_start import from_any_start, method_from_any_start
 from ido_viz.core.plugins import Own, OwnClass, maps_of_own, own_of
 from ido_viz.core.state import State, StateError
 
@@ -30,9 +31,9 @@ class Entry:
     Args:
         name: as it is shown.
         quick: whether it keeps up with a slider: learned ones do, a user's own are not trusted to.
-        make: makes it with a stopping rule, ε and the most iterations, which baselines do without. One of a user's own
-            is made, or even trained, if it has not been yet; the report is told how far that is, and what it raises
-            ends it.
+        make: makes it with a stopping rule, ε and the most iterations, which those that learn nothing do without. One
+            of a user's own is made, or even trained, if it has not been yet, and so are the fields of the global one;
+            the report is told how far that is, and what it raises ends it.
     """
 
     name: str
@@ -61,7 +62,7 @@ class Subject:
     @property
     def methods(self) -> tuple[str, ...]:
         """Names of the methods that can register it, learned ones first."""
-        return (*self.maps, *self.own, *BASELINES)
+        return (*self.maps, *self.own, *from_any_start(self.maps), *BASELINES)
 
     @property
     def first_histogram(self) -> Histogram:
@@ -74,6 +75,8 @@ class Subject:
             return Entry(name, True, partial(_learned, name, self.maps[name]))
         if name in self.own:
             return Entry(name, False, partial(_own, name, self.own[name], self))
+        if name in from_any_start(self.maps):
+            return Entry(name, False, partial(_from_any_start, name, self))
         if name in BASELINES:
             return Entry(name, False, partial(_baseline, name, self))
         return None
@@ -85,6 +88,10 @@ def _learned(name: str, maps: Callable[[], Maps], epsilon: float, max_iterations
 
 def _own(name: str, own: Own, subject: Subject, epsilon: float, max_iterations: int, report: Report) -> Method:
     return own.method(name, subject.first_histogram, epsilon, max_iterations, report)
+
+
+def _from_any_start(name: str, subject: Subject, epsilon: float, max_iterations: int, report: Report) -> Method:
+    return method_from_any_start(name, subject.cloud, subject.maps, subject.first_histogram.model, report)
 
 
 def _baseline(name: str, subject: Subject, epsilon: float, max_iterations: int, report: Report) -> Method:

@@ -11,11 +11,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ido import Histogram, Maps, Scene, Scores, StopReason, Trajectory, perturb, poses, score
+from ido.global_registration import Confidence
 from ido.perturbation import start_pose
 from ido.recording import chosen_iterations
 from ido.types import FloatArray
 from ido_viz.core.background import Report
 from ido_viz.core.library import Entry, Library, Selection, Subject
+from ido_viz.core.race import Race
 from ido_viz.core.state import State
 from ido_viz.core.verdict import Verdict
 
@@ -36,6 +38,8 @@ class MethodRun:
         T_model_scene: the same as matrices, shape (n + 1, 4, 4).
         scores: of every pose, each of shape (n + 1,).
         settings: all of the method's, plain values.
+        race: of the starts of a method from any start; None for others.
+        confidence: how sure it is of its pose; None for others.
         pending: why there is nothing but the start yet: it is computed, was cancelled or failed; None once there is.
         waiting: the same in words; empty once there is.
         trace: where it failed, if it did.
@@ -49,6 +53,8 @@ class MethodRun:
     T_model_scene: FloatArray
     scores: Scores
     settings: Mapping[str, object] = field(default_factory=dict)
+    race: Race | None = None
+    confidence: Confidence | None = None
     pending: Verdict | None = None
     waiting: str = ""
     trace: str = ""
@@ -175,9 +181,21 @@ def register_side(
         BaseException: what a method of the user's own raised, and what `watch` raises.
     """
     method = entry.make(state.epsilon, state.max_iterations, watch or (lambda _: None))
-    trajectory = method.register(scene.points, watch=watch)
     histogram = selection.subject.first_histogram if method.histogram is None else method.histogram
-    side = _side(entry.name, scene, trajectory, histogram, maps=method.maps, settings=method.settings)
+    if method.registration is None:
+        trajectory = method.register(scene.points, watch=watch)
+        side = _side(entry.name, scene, trajectory, histogram, maps=method.maps, settings=method.settings)
+    else:
+        tried = method.registration.run(scene.points, watch=watch)
+        side = _side(
+            entry.name,
+            scene,
+            tried.trajectory,
+            histogram,
+            settings=method.settings,
+            race=Race.of(tried),
+            confidence=Confidence.of(tried),
+        )
     if not entry.quick:
         _ = side.distances  # here, where what a histogram of one's own raises is told of
     return side

@@ -19,8 +19,11 @@ def scene_line(state: State) -> str:
 
 
 def progress_line(side: SideFrame) -> str:
-    """How far a method is, or why it is not there yet."""
-    return side.run.waiting or f"iteration {side.k} of {side.run.trajectory.iterations}"
+    """How far a method is, with how many of its starts, or why it is not there yet."""
+    if side.run.waiting:
+        return side.run.waiting
+    starts = "" if side.run.race is None else f", {side.run.race.left(side.k)} starts"
+    return f"iteration {side.k} of {side.run.trajectory.iterations}{starts}"
 
 
 def stop_line(side: SideFrame) -> str:

@@ -1,4 +1,4 @@
-"""What is written over the canvas: each pane's method above it, its verdict below, and what the colours mean."""
+"""What is written over the canvas: each pane's method above it, below how sure it is and its verdict, and a legend."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.legend import legend_html
 from ido_viz.core.verdict import Verdict
 from ido_viz.core.wording import one_line, progress_line
+from ido_viz.panels.sureness import sureness_html
 
 _SIGNS = {
     Verdict.IN_PLACE: "✓",
@@ -31,20 +32,25 @@ canvas[data-engine] { anchor-name: --canvas; }
 @supports (left: anchor(left)) { .over-canvas { left: anchor(left); right: anchor(right); } }
 .names { top: 0.6rem; height: 3.4rem; }
 .verdicts { bottom: 1.9rem; height: 4.1rem; }
+.sureness { bottom: 5.9rem; height: 6rem; align-items: flex-end; }
 .legend { bottom: 0.5rem; height: 1.2rem; justify-content: center; }
 @supports (left: anchor(left)) {
   .names { top: calc(anchor(top) + 0.6rem); }
   .verdicts { bottom: calc(anchor(bottom) + 1.9rem); }
+  .sureness { bottom: calc(anchor(bottom) + 5.9rem); }
   .legend { bottom: calc(anchor(bottom) + 0.5rem); }
 }
 .over-canvas > div { flex: 1 1 0; min-width: 0; text-align: center; line-height: 1.35; padding: 0 0.4rem;
   white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+.over-canvas.sureness > div { white-space: normal; }
 body:has(.lesson) .verdicts { bottom: auto; top: 4rem; }
 [data-dock-group]:has(.lesson) { anchor-name: --lesson; }
 body:has(.lesson) .legend { bottom: calc(anchor(--lesson top, 0rem) + 0.5rem); }
+body:has(.lesson) .sureness { bottom: auto; top: 7.6rem; align-items: flex-start; }
 @media (max-width: 600px) {
   .over-canvas { left: 0; right: 0; }
   .verdicts { bottom: auto; top: calc(40vh - 4.4rem); }
+  .sureness { bottom: auto; top: 4rem; align-items: flex-start; }
   .legend { display: none; }
 }
 </style>"""
@@ -68,8 +74,10 @@ def captions_html(frame: Frame) -> str:
     """Names, verdicts and the meaning of the colours, as HTML."""
     names = "".join(f"<div>{_name_html(side, frame)}</div>" for side in frame.sides)
     verdicts = "".join(f'<div class="verdict">{_verdict_html(side, frame)}</div>' for side in frame.sides)
+    sureness = "".join(f'<div class="sure">{sureness_html(side, frame)}</div>' for side in frame.sides)
     return (
         f'<div class="over-canvas names">{names}</div><div class="over-canvas verdicts">{verdicts}</div>'
+        f'<div class="over-canvas sureness">{sureness}</div>'
         f'<div class="over-canvas legend">{legend_html(frame)}</div>'
     )
 

@@ -1,4 +1,4 @@
-"""The tab Errors: scores, update norm and distance to the reference line over the iterations."""
+"""The tab Errors: scores, update norm and distance to the reference line over the iterations, and a race of starts."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ido_viz.core.run import Run
 from ido_viz.core.state import LONGEST_RUN, State
 from ido_viz.panels.markup import both_methods, caption
 from ido_viz.panels.plot import Plot, plain_axes
+from ido_viz.panels.race_chart import RaceChart
 
 _TITLES = {
     "update norm": "update norm, with the threshold ε dashed",
@@ -27,6 +28,7 @@ class ErrorsTab:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._caption = gui.add_html("")
+        self._race = RaceChart(gui)
         self._plots = {}
         for name in CURVES:
             gui.add_html(caption(_TITLES.get(name, name)))
@@ -46,6 +48,7 @@ class ErrorsTab:
         if look != self._look:
             self._caption.content = caption(both_methods(run, state.dark))
         self._look = look
+        self._race.draw(frame)
 
 
 def _data(frame: Frame, name: str) -> tuple[DoubleArray, ...]:

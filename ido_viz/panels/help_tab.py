@@ -22,6 +22,11 @@ is in its place, the dots gather along it.
 
 **The maps** show, for each bin, how it pushes the six numbers of the pose: translation ρ and rotation φ, one way in
 blue and the other in red.
+
+**From any start.** *Global* tries many poses and climbs from the best of them. Each small dart is one of them: it flies
+over the top of the model as that pose would have it, so darts that agree are in one place. Those given up fade. At the
+end it says how sure it is, without knowing the truth, and faint points show what else the pose may be. **Basin** maps
+from which turns each method comes back.
 """
 
 

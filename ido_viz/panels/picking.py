@@ -1,4 +1,4 @@
-"""Clicks into heatmaps, histograms and lists of bins: each picks a bin, which all parts of the page then show."""
+"""Clicks into pictures: into heatmaps, histograms and lists of bins, which pick a bin, and into the maps of a basin."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ class Click:
 
     Args:
         kind: ``bin`` for a number of a bin, ``shown`` for a place among the bins as the pane orders them, ``compared``
-            for one among the bins of a map that belongs to several iterations.
+            for one among the bins of a map that belongs to several iterations, ``start`` for a number of a start in the
+            map of a basin.
         pane: number of the pane, 0 for the left one.
         place: the number, or the share of the bins to the left.
     """
@@ -42,10 +43,13 @@ def add_picking(gui: viser.GuiApi, picked: Callable[[Click], None]) -> None:
     unseen_field(gui, PICKED, tell)
 
 
+_KINDS = ("bin", "shown", "compared", "start")
+
+
 def read_click(text: str) -> Click | None:
     """What the script wrote, with the number of the click at the end; None for anything else."""
     parts = text.split()
-    if len(parts) != 4 or parts[0] not in ("bin", "shown", "compared") or parts[1] not in ("0", "1"):
+    if len(parts) != 4 or parts[0] not in _KINDS or parts[1] not in ("0", "1"):
         return None
     try:
         place = float(parts[2])

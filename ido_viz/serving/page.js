@@ -50,7 +50,7 @@
     if (event.target.closest?.("[role=option]")) setTimeout(() => document.activeElement?.blur(), 50);
   });
 
-  // A click into a heatmap, a histogram or a list of bins picks a bin.
+  // A click into a heatmap, a histogram or a list of bins picks a bin, one into the map of a basin a start.
   let picks = 0;
 
   function tell(text) {
@@ -71,6 +71,8 @@
       if (!(target instanceof Element)) return;
       const listed = target.closest("[data-bin]");
       if (listed) return tell(`bin ${listed.dataset.pane} ${listed.dataset.bin}`);
+      const start = target.closest("[data-start]");
+      if (start) return tell(`start 0 ${start.dataset.start}`);
       const heatmap = target.closest("[data-heatmap]");
       if (heatmap) return tell(`${heatmap.dataset.heatmap} ${heatmap.dataset.pane} ${share(event, heatmap)}`);
       const chart = target.closest(".uplot")?.querySelector(".u-over");

@@ -29,7 +29,9 @@ from ido_viz.teach.marks import Mark
 from ido_viz.teach.presets import presets
 from ido_viz.teach.step_control import StepControl, control_of
 
-Tab = Literal["Histograms", "Training", "Derivations", "Help", "Maps", "Errors", "Compare", "Sweeps", "Inspect"]
+Tab = Literal[
+    "Histograms", "Training", "Derivations", "Help", "Maps", "Errors", "Compare", "Basin", "Sweeps", "Inspect"
+]
 
 _CLAIM = re.compile(r"\[(?P<text>[^\[\]]+)\]\(#(?P<id>[^()]*)\)")
 _FURTHER = 1.25  # than where both panes fit

@@ -14,10 +14,10 @@ from ido_viz.core.state import VALUES, State, StateError, with_values
 from ido_viz.panels.controls import STEPS
 from ido_viz.teach.content import ContentError
 
-Button = Literal["Play", "One iteration on", "Back to the start", "New seed"]
+Button = Literal["Play", "One iteration on", "Back to the start", "New seed", "Map the basin"]
 
 _LABELS = {"pinned_map": "Map", "epsilon": "Stop below ε", "difference": "Minus reference"}
-_HINT = "The same as in the control panel."
+_HINT = "The same as beside this panel."
 _YES_NO = {True: "on", False: "off"}
 
 
@@ -78,6 +78,7 @@ class ControlView:
             "One iteration on": lambda: actions.step(1),
             "Back to the start": lambda: actions.jump(0),
             "New seed": actions.new_seed,
+            "Map the basin": actions.map_basin,
         }
         if name in buttons:
             gui.add_button(name, hint=_HINT).on_click(lambda _: buttons[name]())

@@ -47,7 +47,18 @@ HARD_TO_READ = """least => {
 }"""
 """Each visible text with too little contrast to what is behind it, with both colours and where it is."""
 
-CHART_TABS = ("Training", "Derivations", "Help", "Histograms", "Errors", "Compare", "Sweeps", "Inspect", "Maps")
+CHART_TABS = (
+    "Training",
+    "Derivations",
+    "Help",
+    "Histograms",
+    "Errors",
+    "Compare",
+    "Basin",
+    "Sweeps",
+    "Inspect",
+    "Maps",
+)
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])

@@ -14,6 +14,7 @@ import viser
 from ido import Perturbation, Scene
 from ido_viz.core.actions import Actions
 from ido_viz.core.address import fragment_of
+from ido_viz.core.basin import Basin
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library, Subject, shipped_library
@@ -74,6 +75,7 @@ class Tab:
         self.gui = Widgets()
         self.widgets = state
         self.may_cancel = False
+        self.basin = cast(Basin, None)
         self.shared: State | None = None
         self.actions = cast(Actions, None)
         self.last_sign_of_life = time.perf_counter()
@@ -153,8 +155,8 @@ class PageOfTab:
     def fragment(self, state: State) -> str:
         return fragment_of(state, "")
 
-    def draw(self, frame: Frame, comparison: Comparison, *, may_cancel: bool) -> None:
-        self.tab.may_cancel = may_cancel
+    def draw(self, frame: Frame, comparison: Comparison, basin: Basin, *, may_cancel: bool) -> None:
+        self.tab.may_cancel, self.tab.basin = may_cancel, basin
         self.tab.frames.append(Drawn(frame.state, frame.run, frame.k, frame.held, time.perf_counter()))
         self.tab.last_sign_of_life = time.perf_counter()
         if len(self.tab.frames) == 1:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from checks import far, learning, limits, moving, presets, results, seeing, tracing
+from checks import anywhere, far, learning, limits, moving, presets, results, seeing, tracing
 from checks.helpers import Check
 
-_MODULES = (seeing, moving, far, limits, learning, results, tracing, presets)
+_MODULES = (seeing, moving, far, anywhere, limits, learning, results, tracing, presets)
 
 NAMES: tuple[str, ...] = tuple(name for module in _MODULES for name in module.CHECKS)
 """Of all checks, as often as there is one of the name."""

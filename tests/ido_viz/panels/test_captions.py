@@ -38,8 +38,8 @@ def ending_with(run: Run, accuracy: float) -> Run:
 def texts(frame: Frame, kind: str) -> list[str]:
     """What is written in each pane, as text: its names or its verdicts."""
     content = captions_html(frame)
-    _, names, verdicts, legend = content.split('<div class="over-canvas ')
-    part = {"names": names, "verdicts": verdicts, "legend": legend}[kind]
+    _, names, verdicts, sureness, legend = content.split('<div class="over-canvas ')
+    part = {"names": names, "verdicts": verdicts, "sureness": sureness, "legend": legend}[kind]
     panes = part.split(">", 1)[1].split("</div>")
     return [html.unescape(re.sub(r"<[^>]*>", " ", pane)).strip() for pane in panes if "<b" in pane or kind == "legend"]
 

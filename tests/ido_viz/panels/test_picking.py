@@ -17,6 +17,7 @@ from ido_viz.panels.picking import Click, read_click
 def test_a_click_is_read():
     assert read_click("bin 1 430 7") == Click("bin", 1, 430.0)
     assert read_click("shown 0 0.25 8") == Click("shown", 0, 0.25)
+    assert read_click("start 0 191 3") == Click("start", 0, 191.0)
     assert read_click("compared 1 0.99999 9") == Click("compared", 1, 0.99999)
 
 

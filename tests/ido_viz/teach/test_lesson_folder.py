@@ -90,7 +90,7 @@ class Student:
         return self.presenter.panel.visible
 
 
-_UNUSED = dict.fromkeys(("play", "step", "jump", "new_seed", "set_values"), lambda *_: None)
+_UNUSED = dict.fromkeys(("play", "step", "jump", "new_seed", "map_basin", "set_values"), lambda *_: None)
 
 
 @pytest.fixture(scope="module")

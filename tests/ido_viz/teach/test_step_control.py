@@ -37,6 +37,7 @@ class Desk:
             step=lambda by: note(("step", by)),
             jump=lambda to: note(("jump", to)),
             new_seed=lambda: note("new seed"),
+            map_basin=lambda: note("map the basin"),
             set_values=note,
         )
         self.folder = server.gui.add_folder(None)
@@ -57,6 +58,7 @@ class Desk:
         ("One iteration on", ("step", 1)),
         ("Back to the start", ("jump", 0)),
         ("New seed", "new seed"),
+        ("Map the basin", "map the basin"),
     ],
 )
 def test_a_button_does_what_it_says(server: viser.ViserServer, name: str, asked: object):
