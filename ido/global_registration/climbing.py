@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ido.compiling import compiled
-from ido.global_registration.background import Background
 from ido.global_registration.fields import REACH, Field
+from ido.global_registration.outliers import Background
 from ido.types import DoubleArray, FloatArray
 
 _OVER = 1.5  # steps are made longer by this factor

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ido.compiling import compiled
-from ido.global_registration.background import Background
 from ido.global_registration.fields import REACH, Field
+from ido.global_registration.outliers import Background
 from ido.kernels import pose_of
 from ido.poses import transform
 from ido.types import DoubleArray, FloatArray

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ido.global_registration.background import Background
+from ido.global_registration.outliers import Background
 from ido.global_registration.search import spread_rotations
 from ido.histograms import SceneBatch
 from ido.maps import Maps

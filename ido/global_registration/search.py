@@ -10,8 +10,8 @@ import numpy as np
 from scipy.fft import irfftn, rfftn
 from scipy.spatial.transform import Rotation
 
-from ido.global_registration.background import Background
 from ido.global_registration.fields import REACH, Field, deposit, read
+from ido.global_registration.outliers import Background
 from ido.perturbation import OUTLIER_REACH
 from ido.types import DoubleArray, FloatArray
 

@@ -10,12 +10,12 @@ from typing import Protocol
 import numpy as np
 
 from ido import poses
-from ido.global_registration.background import Background
 from ido.global_registration.climbing import Climb, climb
 from ido.global_registration.cut_plane import NO_PLANE, Posterior, Refined, refine
 from ido.global_registration.evidence import Evidence, moved_by
 from ido.global_registration.fields import SIGMAS
 from ido.global_registration.model import GlobalModel
+from ido.global_registration.outliers import Background
 from ido.global_registration.settings import GlobalSettings
 from ido.histograms import finite
 from ido.registration import StopReason, Trajectory, Watch
