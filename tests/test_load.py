@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import load
+from headless import run
 
 
 async def idle(server: load.Server) -> float:
@@ -23,11 +24,11 @@ async def idle(server: load.Server) -> float:
 
 def test_idle_tabs_cost_nothing():
     with load.started() as server:
-        assert asyncio.run(idle(server)) < 0.1
+        assert run(idle(server)) < 0.1
 
 
 def test_every_tab_of_a_small_class_gets_its_frames_few_bytes_each_and_is_freed():
     with load.started() as server:
-        (figures,) = asyncio.run(load.measure(server, (3,), 2.0, files=False))
+        (figures,) = run(load.measure(server, (3,), 2.0, files=False))
     assert figures.slowest >= 2
     assert figures.bytes / figures.frames < 100_000  # whole charts alone would be twice that

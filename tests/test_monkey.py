@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
-
+from headless import run
 from load import started
 from monkey import ape
 
 
 def test_a_monkey_leaves_nothing_in_the_log():
     with started() as server:
-        asyncio.run(ape(server, 800, seed=1))
+        run(ape(server, 800, seed=1))
         assert server.log is not None
         assert server.log.read_text() == ""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer
+from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, page_without_3d
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz import requests
@@ -28,15 +28,6 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-
-
-WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
-    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
-        if (of.prototype[name]) of.prototype[name] = () => {};
-const nextFrame = requestAnimationFrame;
-window.requestAnimationFrame = draw => setTimeout(() => nextFrame(draw), 40);
-window.cancelAnimationFrame = clearTimeout;"""
-"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test."""
 
 
 def chromium() -> str | None:
@@ -100,9 +91,8 @@ def open_explorer(browser: Browser, app_for: Callable[[State], App], draws: bool
 
 
 def new_page(app: App, browser: Browser, size: tuple[int, int], draws: bool) -> Explorer:
-    page = browser.new_page(viewport=ViewportSize(width=size[0], height=size[1]))
-    if not draws:
-        page.add_init_script(WITHOUT_DRAWING)
+    viewport = ViewportSize(width=size[0], height=size[1])
+    page = browser.new_page(viewport=viewport) if draws else page_without_3d(browser, viewport=viewport)
     return Explorer(app, page)
 
 

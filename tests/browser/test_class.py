@@ -10,8 +10,10 @@ from playwright.sync_api import Locator
 from ido_viz.core.state import encode
 
 
-def test_parts_hidden_by_a_lecturer_are_hidden_by_the_code_and_come_back(open_explorer: OpenExplorer):
-    lecturer, student = open_explorer(), open_explorer()
+def test_parts_hidden_by_a_lecturer_are_hidden_by_the_code_and_come_back(
+    explorer: Explorer, open_explorer: OpenExplorer
+):
+    lecturer, student = explorer, open_explorer()
     for part in ("scores", "methods"):
         lecturer.tick(f"Hide {part}")
     lecturer.row("Left pane").wait_for(state="hidden")

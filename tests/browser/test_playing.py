@@ -18,26 +18,23 @@ def test_a_new_page_plays_by_itself_to_the_end(open_explorer: OpenExplorer):
     assert explorer.slider_value("Iteration") == explorer.last_iteration()
 
 
-@pytest.mark.parametrize("how", ["by the button", "by the key P"])
-def test_play_moves_the_iteration_pauses_and_ends(at_the_start: Explorer, how: str):
+def test_play_moves_the_iteration_pauses_and_ends_by_button_and_key(at_the_start: Explorer):
     explorer = at_the_start
-
-    def toggle() -> None:
-        if how == "by the key P":
-            explorer.type_key("p")
-        else:
-            explorer.press("Pause (P)" if explorer.is_playing() else "Play (P)")
-
     explorer.drag("Speed", 0.2)
-    toggle()
+    explorer.press("Play (P)")
     explorer.wait_until("two iterations", lambda: explorer.iteration() >= 2)
     assert explorer.is_playing()
-    toggle()
+    explorer.type_key("p")
+    explorer.wait_until("the pause", lambda: not explorer.is_playing())
+    at = explorer.expect_to_agree().iteration
+    explorer.type_key("p")
+    explorer.wait_until("two more", lambda: explorer.iteration() >= at + 2)
+    explorer.press("Pause (P)")
     explorer.wait_until("the pause", lambda: not explorer.is_playing())
     paused = explorer.expect_to_agree()
     assert 2 <= paused.iteration < explorer.last_iteration()
     explorer.drag("Speed", 1.0)
-    toggle()
+    explorer.press("Play (P)")
     explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
     explorer.wait_until("the end of playing", lambda: not explorer.is_playing())
     explorer.expect_to_agree()

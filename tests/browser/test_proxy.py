@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 import shutil
 import socket
@@ -16,7 +15,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pytest
-from headless import HeadlessTab
+from explorer import page_without_3d
+from headless import HeadlessTab, run
 from playwright.sync_api import Browser
 
 from ido_viz.app import App
@@ -110,9 +110,9 @@ def test_a_visitor_has_a_server_of_their_own_and_all_of_them_both(proxy: Proxy):
             await tab.until("the end of the visit", lambda: sum(proxy.visitors()) == 0)
         return found
 
-    first = asyncio.run(visit(proxy.new_cookie(), 3))
+    first = run(visit(proxy.new_cookie(), 3))
     assert first.count(first[0]) == 3
-    others = {tuple(asyncio.run(visit(proxy.new_cookie(), 1))[0]) for _ in range(16)}
+    others = {tuple(run(visit(proxy.new_cookie(), 1))[0]) for _ in range(16)}
     assert others == {(0, 1), (1, 0)}
 
 
@@ -125,13 +125,13 @@ def test_a_file_comes_through(proxy: Proxy):
         await tab.close()
         return tab.files
 
-    assert asyncio.run(take_along()) == ["ido-bunny-0.csv"]
+    assert run(take_along()) == ["ido-bunny-0.csv"]
 
 
 def test_a_browser_finds_its_page_by_the_prefix_and_again_after_a_reload(proxy: Proxy, browser: Browser):
     proxy.wait_for(0, 0)
     state = State(left="ICP, tuned", iteration=3, playing=False)
-    page = browser.new_page(ignore_https_errors=True)
+    page = page_without_3d(browser, ignore_https_errors=True)
     try:
         page.goto(f"{proxy.address}#state={quote(encode(state))}")
         page.get_by_role("row", name="PointRMSE").wait_for()

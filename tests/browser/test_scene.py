@@ -115,15 +115,16 @@ def test_any_method_in_any_pane(explorer: Explorer):
 
 def test_absurd_input_does_no_harm(explorer: Explorer):
     explorer.tick("Maps follow the iteration")
-    for label, low, high in (
-        ("Stop below ε", 1e-5, 0.1),
-        ("Most iterations", 1, LONGEST_RUN),
-        ("Seed", 0, LARGEST_SEED),
-        ("Speed", 1, 60),
-        ("Map", 1, 30),
-        ("Points", 100, 4000),
+    few, many = ("-5", "1e9"), ("-5", "1e9", "abc", "", "99999999999999999999", "0.0000001")
+    for label, low, high, texts in (
+        ("Stop below ε", 1e-5, 0.1, many),  # a field
+        ("Most iterations", 1, LONGEST_RUN, few),
+        ("Seed", 0, LARGEST_SEED, few),
+        ("Speed", 1, 60, few),
+        ("Map", 1, 30, few),
+        ("Points", 100, 4000, many),  # a slider
     ):
-        for text in ("-5", "1e9", "abc", "", "99999999999999999999", "0.0000001"):
+        for text in texts:
             explorer.type_into(label, text)
             left = explorer.field(label).input_value()
             assert left == "" or low <= float(left) <= high, f"{label} {left} after {text!r}"

@@ -54,8 +54,8 @@ def test_broken_codes_are_refused_with_a_message_and_the_page_goes_on(explorer: 
     assert replace(after, iteration=before.iteration) == before
 
 
-def test_one_tab_s_code_gives_the_same_page_in_another(open_explorer: OpenExplorer):
-    one, other = open_explorer(), open_explorer()
+def test_one_tab_s_code_gives_the_same_page_in_another(explorer: Explorer, open_explorer: OpenExplorer):
+    one, other = explorer, open_explorer()
     one.drag("Rotation", 0.5)
     one.press("New seed")
     one.wait_until("another seed", lambda: one.state().perturbation.seed != 0)

@@ -89,20 +89,17 @@ def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenEx
     explorer.expect_to_agree()
 
 
-@pytest.mark.parametrize("how", ["by the button", "by the key V"])
-def test_a_view_turned_by_the_mouse_is_kept_and_reset(explorer: Explorer, how: str):
+def test_a_view_turned_by_the_mouse_is_kept_and_reset_by_button_and_key(explorer: Explorer):
     explorer.wait_until("the first view", lambda: both_panes_fit(explorer))
     canvas = box_of(explorer.canvas())
-    drag(explorer, (canvas["x"] + 20, canvas["y"] + canvas["height"] / 2), (120.0, 30.0))
-    explorer.wait_until("another view", lambda: explorer.state().camera != NO_CAMERA)
-    explorer.pause(SETTLING)
-    assert not both_panes_fit(explorer)
-    if how == "by the key V":
-        explorer.type_key("v")
-    else:
-        explorer.press("Reset view (V)")
-    explorer.wait_until("the first view again", lambda: both_panes_fit(explorer))
-    assert explorer.expect_to_agree().camera == NO_CAMERA
+    for reset in (lambda: explorer.type_key("v"), lambda: explorer.press("Reset view (V)")):
+        drag(explorer, (canvas["x"] + 20, canvas["y"] + canvas["height"] / 2), (120.0, 30.0))
+        explorer.wait_until("another view", lambda: explorer.state().camera != NO_CAMERA)
+        explorer.pause(SETTLING)
+        assert not both_panes_fit(explorer)
+        reset()
+        explorer.wait_until("the first view again", lambda: both_panes_fit(explorer))
+        assert explorer.expect_to_agree().camera == NO_CAMERA
 
 
 def test_undo_and_redo_by_their_buttons(explorer: Explorer):

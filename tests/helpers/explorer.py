@@ -8,11 +8,11 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import FloatRect, Locator, Page
+from playwright.sync_api import Browser, FloatRect, Locator, Page
 
 from ido_viz.app import App
 from ido_viz.core.library import shipped_library
@@ -60,6 +60,15 @@ COUNT_DRAWN_PIXELS = """canvas => {
 READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
 )"""  # at once: the table is replaced many times a second
+
+WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
+    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
+        if (of.prototype[name]) of.prototype[name] = () => {};
+const nextFrame = requestAnimationFrame;
+window.requestAnimationFrame = draw => setTimeout(() => nextFrame(draw), 40);
+window.cancelAnimationFrame = clearTimeout;"""
+"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test."""
+
 
 Numbers = dict[str, tuple[str, str]]
 """The readout: for each row what it says of the left and of the right pane."""
@@ -351,6 +360,13 @@ class Explorer:
     def heatmap_pictures(self) -> list[str]:
         """The pictures of all heatmaps that can be seen."""
         return self.heatmaps().evaluate_all("images => images.map(image => image.src)")
+
+
+def page_without_3d(browser: Browser, **options: Any) -> Page:
+    """A new page of a browser, whose 3D scene is not drawn."""
+    page = browser.new_page(**options)
+    page.add_init_script(WITHOUT_DRAWING)
+    return page
 
 
 def box_of(locator: Locator) -> FloatRect:

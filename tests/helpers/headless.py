@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 from urllib.parse import urlsplit, urlunsplit
 
 import msgspec
@@ -15,6 +16,8 @@ import zstandard
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Origin, Subprotocol
+
+Value = TypeVar("Value")
 
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
 CAMERA = {
@@ -199,3 +202,9 @@ class HeadlessTab:
         elif message.type == "NotificationShowMessage":
             note = msgspec.msgpack.decode(message.props, type=Widget)
             self.notes.append(f"{note.title}: {note.body}")
+
+
+def run(visit: Coroutine[Any, Any, Value]) -> Value:
+    """Run a visit to its end, on a thread of its own: a test's own may have a browser's event loop."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, visit).result()

@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import quote
 
 import pytest
-from headless import PROTOCOL, HeadlessTab
+from headless import PROTOCOL, HeadlessTab, run
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
@@ -75,7 +75,7 @@ def test_a_page_that_comes_back_finds_what_was_computed_and_what_it_can_undo(app
         await tab.until("the change before", lambda: session._state.perturbation == Perturbation(rotation=30))
         await tab.close()
 
-    asyncio.run(come_back())
+    run(come_back())
 
 
 def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(
@@ -89,6 +89,7 @@ def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(
         draw(page, *frame, **options)
 
     leaving: list[bool] = []
+    before = set(threading.enumerate())  # other tests' pages are open, too
     monkeypatch.setattr(Page, "draw", drawn_later)
 
     async def visit() -> None:
@@ -99,8 +100,9 @@ def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(
         await asyncio.sleep(0.2)
         await tab.close()
 
-    asyncio.run(visit())
-    wait("the end of the sessions", lambda: not [t for t in threading.enumerate() if t.name.startswith("session-")])
+    run(visit())
+    sessions = [t for t in set(threading.enumerate()) - before if t.name.startswith("session-")]
+    wait("the end of the sessions", lambda: not [t for t in sessions if t.is_alive()])
     assert [str(warning.message) for warning in recwarn] == []
 
 
@@ -117,7 +119,7 @@ def test_the_charts_of_a_tab_are_made_when_it_is_opened_and_not_before(app: App)
         await tab.until("the curves of the errors", lambda: len(tab.charts) == 2 + 4)
         await tab.close()
 
-    asyncio.run(visit())
+    run(visit())
 
 
 def test_a_value_that_is_not_on_offer_is_refused_and_the_page_goes_on(app: App):
@@ -133,7 +135,7 @@ def test_a_value_that_is_not_on_offer_is_refused_and_the_page_goes_on(app: App):
         await tab.close()
         assert all("is not on offer; choose from the list." in note for note in tab.notes)
 
-    asyncio.run(visit())
+    run(visit())
 
 
 def test_for_whom_there_is_no_room_gets_a_friendly_page_until_somebody_leaves():
