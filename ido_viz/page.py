@@ -112,6 +112,7 @@ class Page:
             self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, self._bring_tabs_back, state, step)
         add_picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
         self._open = _FIRST_OPEN
+        self._told = False  # which tabs are open
         self._redraw = actions.redraw
         unseen_field(gui, OPEN_TABS, self._tabs_opened)
         self._placing = Placing(gui, upper, lower)
@@ -195,6 +196,9 @@ class Page:
         }
 
     def _tabs_opened(self, names: str) -> None:
+        if not self._told:  # now it has its size, whatever it has told of its camera
+            self._told = True
+            self.renew_charts()
         self._open = frozenset(names.split(","))
         self._redraw()
 

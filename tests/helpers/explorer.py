@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import re
 import time
@@ -12,7 +13,7 @@ from typing import Any, get_args
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, FloatRect, Locator, Page
+from playwright.sync_api import Browser, FloatRect, Locator, Page, TimeoutError
 
 from ido_viz.app import App
 from ido_viz.core.library import shipped_library
@@ -223,7 +224,8 @@ class Explorer:
     def close_notifications(self) -> None:
         """Close all messages."""
         while self.page.get_by_role("alert").count():
-            self.page.get_by_role("alert").first.get_by_role("button").click()
+            with contextlib.suppress(TimeoutError):  # it has closed itself
+                self.page.get_by_role("alert").first.get_by_role("button").click(timeout=1000)
             self.pause(300)  # they fade away
 
     def is_playing(self) -> bool:
