@@ -84,7 +84,10 @@ def test_paper_defaults_undo_every_slider(explorer: Explorer):
     explorer.paste(encode(replace(explorer.state(), perturbation=other)))
     explorer.wait_until("another scene", lambda: explorer.state().perturbation == other)
     for label in SLIDERS:
-        assert explorer.slider_value(label) == pytest.approx(getattr(other, label.lower()))
+        explorer.wait_until(
+            f"the slider {label}",
+            lambda label=label: explorer.slider_value(label) == pytest.approx(getattr(other, label.lower())),
+        )
     explorer.press("Paper defaults")
     explorer.wait_until("the defaults", lambda: explorer.state().perturbation == Perturbation())
     explorer.expect_to_agree()

@@ -5,13 +5,16 @@ from __future__ import annotations
 import threading
 import time
 
+import pytest
+
 from ido_viz.core.turns import Turns
 
 PATIENCE = 10.0  # seconds; only a failing test waits that long
 
 
-def test_no_more_than_so_many_have_their_turn_and_all_get_it_in_the_order_in_which_they_came():
-    turns, lock, at_once, most, order = Turns(2), threading.Lock(), [0], [0], []
+@pytest.mark.parametrize("allowed", [1, 2])
+def test_no_more_than_so_many_have_their_turn_and_all_get_it_in_the_order_in_which_they_came(allowed: int):
+    turns, lock, at_once, most, order = Turns(allowed), threading.Lock(), [0], [0], []
 
     def work(number: int) -> None:
         with turns.turn():
@@ -29,8 +32,9 @@ def test_no_more_than_so_many_have_their_turn_and_all_get_it_in_the_order_in_whi
         time.sleep(0.005)  # so that it is known in which order they come
     for thread in threads:
         thread.join(PATIENCE)
-    assert order == list(range(8))
-    assert most == [2]
+    assert all(abs(place - number) < allowed for place, number in enumerate(order))  # two at once may swap
+    assert sorted(order) == list(range(8))
+    assert most == [allowed]
 
 
 def test_who_fails_gives_the_turn_back():
