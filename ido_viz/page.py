@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 
 import viser
@@ -38,6 +39,9 @@ from ido_viz.panels.training_tab import TrainingTab
 from ido_viz.teach.derivations_tab import DerivationsTab
 from ido_viz.teach.lesson_folder import LessonFolder
 from ido_viz.teach.preset_folder import PresetFolder
+
+_CALM = 1.2
+"""Seconds after which a page that tells of its tabs is calm; a chart that was made before may lack axes."""
 
 _FIRST_OPEN = frozenset({"Histograms", "Maps"})
 """Tabs of charts that are open in a page that has not told yet."""
@@ -196,10 +200,16 @@ class Page:
         }
 
     def _tabs_opened(self, names: str) -> None:
-        if not self._told:  # now it has its size, whatever it has told of its camera
+        if not self._told:
             self._told = True
-            self.renew_charts()
+            later = threading.Timer(_CALM, self._renew_calmly)
+            later.daemon = True
+            later.start()
         self._open = frozenset(names.split(","))
+        self._redraw()
+
+    def _renew_calmly(self) -> None:
+        self.renew_charts()
         self._redraw()
 
     def draw_inside(self, frame: Frame) -> None:

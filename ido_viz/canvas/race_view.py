@@ -20,6 +20,7 @@ _DART = (  # points to the front of an upright model, -y, and is flat, so that i
 )
 _ABOVE = np.array([0.0, 0.0, 1.1])  # where a dart flies over an upright model
 _FAN_POINTS = 120  # of the scene, at each pose of the fan
+_GONE = np.float32(1e-4)  # size of a dart that is out of the race
 _NONE = np.zeros((1, 3), dtype=np.float32)
 
 
@@ -64,7 +65,9 @@ class RaceView:
         T = self._T_dart[:, race.step(side.k)]
         self._darts.batched_positions = T[:, :3, 3].astype(np.float32)
         self._darts.batched_wxyzs = Rotation.from_matrix(T[:, :3, :3]).as_quat(scalar_first=True).astype(np.float32)
-        self._darts.batched_opacities = race.strength(side.k).astype(np.float32)
+        strength = race.strength(side.k).astype(np.float32)
+        self._darts.batched_opacities = strength
+        self._darts.batched_scales = np.where(strength > 0, np.float32(1.0), _GONE)  # what cannot be seen hides others
 
     def _place(self, scene: Scene, run: MethodRun, up: tuple[float, float, float], dark: bool) -> None:
         """Take over another run, and draw what stays where it is while it is played."""

@@ -232,8 +232,8 @@ DIVISIONS = """canvas => {
 
 
 def test_a_fresh_page_s_histograms_have_their_names_and_dividers(open_explorer: OpenExplorer):
-    explorer = open_explorer(AT_THE_START)
-    for number, sides in enumerate((2, 6)):
+    explorer = open_explorer(replace(AT_THE_END, right="Global"))  # which takes a while: there it happened
+    for number, sides in enumerate((2, 2)):
         explorer.wait_until(
             f"{sides - 1} lines between {sides} sides, and two at the ends",
             lambda number=number, sides=sides: explorer.charts().nth(number).evaluate(DIVISIONS) == [sides + 1, True],
