@@ -285,7 +285,7 @@ def test_another_shape_brings_what_suits_it(tab: Tab):
     assert shown.state.shape == "urban"
     assert shown.state.perturbation.outlier_kind == "structured"
     assert shown.run.sides[0].method in shipped_library().methods("urban")
-    assert tab.widgets == shown.state
+    tab.wait("the widgets", lambda: tab.widgets == shown.state)
     assert tab.notes == []
 
 
