@@ -304,7 +304,11 @@ class Explorer:
     def options(self, label: str) -> list[str]:
         """What a menu offers."""
         self.field(label).click()
-        self.page.get_by_role("option").first.wait_for()
+        try:
+            self.page.get_by_role("option").first.wait_for(timeout=5000)
+        except TimeoutError:  # a frame that came just then has closed it
+            self.field(label).click()
+            self.page.get_by_role("option").first.wait_for()
         offered = self.page.get_by_role("option").all_inner_texts()
         self.field(label).press("Escape")
         self.page.get_by_role("option").first.wait_for(state="hidden")
