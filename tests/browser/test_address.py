@@ -65,10 +65,10 @@ def test_the_address_follows_in_few_steps(open_explorer: OpenExplorer):
     explorer.open()
     expect_address(explorer, AT_THE_END)
     before = explorer.page.evaluate("window.replaced")
-    for _ in range(2):
-        explorer.drag("Rotation", 0.2, 0.6, steps=15)
+    for _ in range(3):
+        explorer.drag("Rotation", 0.2, 0.6, steps=40)
     explorer.wait_until("the last place", lambda: explorer.state() == state_of(explorer) != AT_THE_END)
-    assert explorer.page.evaluate("window.replaced") - before < 15
+    assert explorer.page.evaluate("window.replaced") - before < 30
 
 
 def test_the_address_is_kept_where_the_share_folder_is_hidden(open_explorer: OpenExplorer):

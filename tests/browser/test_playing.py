@@ -66,8 +66,7 @@ def test_step_buttons_step_and_stay_within_the_run(at_the_start: Explorer):
         explorer.wait_until(
             f"iteration {expected} after {button}", lambda expected=expected: explorer.iteration() == expected
         )
-        assert explorer.state().iteration == (LAST if expected == last else expected)
-    explorer.expect_to_agree()
+        assert explorer.expect_to_agree().iteration == (LAST if expected == last else expected)
 
 
 def test_scrubbing_shows_the_iteration_under_the_mouse(at_the_start: Explorer):

@@ -153,7 +153,6 @@ def test_an_iteration_is_looked_into_beat_by_beat(explorer: Explorer):
 
 def test_a_click_into_a_heatmap_or_the_list_picks_its_bin_and_escape_lets_go(explorer: Explorer):
     heatmap = explorer.page.locator("[data-heatmap=shown]").nth(1)
-    explorer.pause(SETTLING)  # a picture that is put in its place just then takes no click
     box = box_of(heatmap)
     explorer.page.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 20)
     explorer.wait_until("a picked point", lambda: explorer.state().inspected >= 0)

@@ -31,19 +31,19 @@ def test_two_tabs_do_not_disturb_each_other(open_explorer: OpenExplorer):
     assert one.expect_to_agree().perturbation.rotation == untouched.perturbation.rotation
 
 
-def test_tabs_opened_at_once_get_ready_and_are_freed_when_closed(open_explorer: OpenExplorer):
+def test_ten_tabs_at_once_get_ready_and_are_freed_when_closed(open_explorer: OpenExplorer):
     state = replace(AT_THE_END, speed=30)  # an app of their own
-    tabs = [open_explorer(state, (500, 400), wait=False) for _ in range(4)]
+    tabs = [open_explorer(state, (500, 400), wait=False) for _ in range(10)]
     for tab in tabs:
         tab.page.goto(tab.app.url, wait_until="commit")
     for tab in tabs:
         tab.wait_ready()
         tab.expect_numbers(state)
     (app,) = {tab.app for tab in tabs}
-    assert app.n_sessions == 4
+    assert app.n_sessions == 10
     for tab in tabs[1:]:
         tab.page.close()
-    tabs[0].wait_until("three freed sessions", lambda: app.n_sessions == 1)
+    tabs[0].wait_until("nine freed sessions", lambda: app.n_sessions == 1)
     tabs[0].expect_alive()
     tabs[0].page.goto("about:blank")
     tabs[0].wait_until("the last freed session", lambda: app.n_sessions == 0)
