@@ -64,11 +64,17 @@
     return Math.min(Math.max((event.clientX - box.left) / box.width, 0), 0.99999).toFixed(5);
   };
 
+  // The browser makes no click of a button that goes down and up on a picture which was replaced meanwhile, as pictures
+  // are while the page plays. So a click is here what goes up where it went down.
+  const STILL = 5; // pixels
+  let down = null;
+  addEventListener("pointerdown", (event) => (down = event), true);
   addEventListener(
-    "click",
+    "pointerup",
     (event) => {
+      const moved = down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY);
       const target = event.target;
-      if (!(target instanceof Element)) return;
+      if (event.button !== 0 || moved === null || moved > STILL || !(target instanceof Element)) return;
       const listed = target.closest("[data-bin]");
       if (listed) return tell(`bin ${listed.dataset.pane} ${listed.dataset.bin}`);
       const start = target.closest("[data-start]");

@@ -151,6 +151,20 @@ def test_an_iteration_is_looked_into_beat_by_beat(explorer: Explorer):
     explorer.expect_alive()
 
 
+def test_a_click_picks_also_where_the_picture_is_replaced_during_it(explorer: Explorer):
+    explorer.press("First (R)")
+    explorer.wait_until("the start", lambda: explorer.iteration() == 0)
+    explorer.pause(SETTLING)
+    before = explorer.heatmap_pictures()[1]
+    box = box_of(explorer.page.locator("[data-heatmap=shown]").nth(1))
+    explorer.page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 20)
+    explorer.page.mouse.down()
+    explorer.type_key("n")
+    explorer.wait_until("another picture", lambda: explorer.heatmap_pictures()[1] != before)
+    explorer.page.mouse.up()
+    explorer.wait_until("a picked point", lambda: explorer.state().inspected >= 0)
+
+
 def test_a_click_into_a_heatmap_or_the_list_picks_its_bin_and_escape_lets_go(explorer: Explorer):
     heatmap = explorer.page.locator("[data-heatmap=shown]").nth(1)
     box = box_of(heatmap)
