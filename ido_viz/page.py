@@ -92,8 +92,7 @@ class Page:
         self._workshop, self._own = workshop, None
         if workshop is not None:
             with upper.add_tab(OWN_CLOUD):
-                show_panes = lambda shown: self._canvas.show(shown)  # noqa: E731 - the canvas comes last
-                self._own = OwnCloudTab(client, workshop, state, actions.show_shape, show_panes)
+                self._own = OwnCloudTab(client, workshop, state, actions.show_shape, self._show_panes)
         with upper.add_tab("Derivations"):
             self._derivations = DerivationsTab(gui)
         with upper.add_tab("Help"):
@@ -198,6 +197,9 @@ class Page:
             "Sweeps": lambda: self._sweeps.draw(frame.state),
             "Inspect": lambda: self._inspect.draw(frame),
         }
+
+    def _show_panes(self, shown: bool) -> None:
+        self._canvas.show(shown)
 
     def _tabs_opened(self, names: str) -> None:
         if not self._told:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from ido import poses, score
 from ido.perturbation import start_pose
 from ido.types import DoubleArray
-from ido_viz.core.background import CancelledError, Job, Report
+from ido_viz.core.background import SLOW, CancelledError, Job, Report, in_turn
 from ido_viz.core.failures import headline
 from ido_viz.core.geometry import upright
 from ido_viz.core.library import Library
@@ -94,7 +95,7 @@ class Basin:
 
     def fits(self, state: State) -> bool:
         """Whether what is known is of the state's scene; what a hand did to it makes no difference."""
-        return self._of == _inputs(state)
+        return self._of == self._inputs(state)
 
     def accuracies(self, method: str) -> DoubleArray:
         """PointAcc that a method ends with from each start, shape (STARTS,); NaN where it is not known yet."""
@@ -109,7 +110,7 @@ class Basin:
         """Map the basins of both panes' methods; what is known of the same scene is kept."""
         self.cancel()
         if not self.fits(state):
-            self._of, self._found, self._failures = _inputs(state), {}, {}  # one that is still ending has its own
+            self._of, self._found, self._failures = self._inputs(state), {}, {}  # one that is still ending has its own
         selection = self._library.select(state)
         quick_first = [entry.name for entry in sorted(selection.entries, key=lambda entry: not entry.quick)]
         names = tuple(dict.fromkeys(quick_first))
@@ -122,6 +123,10 @@ class Basin:
         """Leave it at what is known."""
         if self._job is not None:
             self._job.cancel()
+
+    def _inputs(self, state: State) -> tuple[object, ...]:
+        subject = self._library.subjects.get(state.shape)  # another one as soon as another map was learned on it
+        return (subject, state.shape, state.perturbation, state.epsilon, state.max_iterations)
 
     def _fill(
         self,
@@ -147,10 +152,9 @@ class Basin:
         for number in np.random.default_rng(0).permutation(STARTS).tolist():  # so that all angles fill evenly
             if np.isnan(accuracies[number]):
                 scene = make_scene(subject, replace(state, start=start_of(state, subject.up, number)))
-                track = method.register(scene.points, watch=report)
+                with (
+                    nullcontext() if name in subject.own else in_turn(SLOW, report)
+                ):  # other pages' work between starts
+                    track = method.register(scene.points, watch=report)
                 accuracies[number] = float(score(scene, track.T_model_scene[-1]).accuracy)
                 report(number)
-
-
-def _inputs(state: State) -> tuple[object, ...]:
-    return (state.shape, state.perturbation, state.epsilon, state.max_iterations)

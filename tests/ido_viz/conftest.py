@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import pytest
+from seen import Seen
 from tab import PAUSED, Computing, PageOfTab, Tab
 
 from ido_viz import requests, session
 from ido_viz.core import live_run
 from ido_viz.core.state import State
+
+
+@pytest.fixture
+def seen() -> Seen:
+    return Seen()
 
 
 @pytest.fixture

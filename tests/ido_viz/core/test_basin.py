@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from tab import PATIENCE, PAUSED, Tab
+from seen import Seen
+from tab import PAUSED, Tab
 
 from ido import Perturbation, StopReason, poses
 from ido.baselines import Nothing
@@ -17,33 +16,13 @@ from ido.methods import BASELINES
 from ido.perturbation import start_pose
 from ido.types import DoubleArray
 from ido_viz.core.basin import ANGLES, AXES, STARTS, Basin, axes, start_of, turn_of
-from ido_viz.core.library import shipped_library
+from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.run import compute, make_scene, start_size
 from ido_viz.core.state import State, decode, encode
 
 LIBRARY = shipped_library()
 STATE = replace(PAUSED, perturbation=Perturbation(points=100, outliers=0, rotation=25.0, seed=4))
 UPS = [subject.up for subject in LIBRARY.subjects.values()]
-
-
-class Seen:
-    """Waits for the telling after which something is true."""
-
-    def __init__(self) -> None:
-        self._told = threading.Condition()
-
-    def __call__(self) -> None:
-        with self._told:
-            self._told.notify_all()
-
-    def wait(self, until: Callable[[], bool]) -> None:
-        with self._told:
-            assert self._told.wait_for(until, PATIENCE)
-
-
-@pytest.fixture
-def seen() -> Seen:
-    return Seen()
 
 
 def test_axes_are_spread_evenly():
@@ -165,3 +144,13 @@ def test_every_start_fits_into_a_state():
         for up in UPS:
             for number in range(STARTS):
                 assert replace(state, start=start_of(state, up, number)).start
+
+
+def test_what_is_known_is_not_of_a_shape_whose_maps_are_others_by_now(seen: Seen):
+    subjects = dict(LIBRARY.subjects)
+    basin = Basin(Library(subjects), seen)
+    basin.begin(STATE)
+    basin.cancel()
+    assert basin.fits(STATE)
+    subjects[STATE.shape] = replace(subjects[STATE.shape], title="with another map")
+    assert not basin.fits(STATE)

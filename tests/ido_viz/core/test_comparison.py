@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from seen import Seen
 from tab import PATIENCE, PAUSED
 
 from ido import Cloud, StopReason
@@ -26,26 +25,6 @@ ROWS = (
     Row("ICP, tuned", 0.4, 0.3, 0.02, 50),
     Row("KCCE (reconstruction), default", 1.0, 0.02, 0.15, 210),
 )
-
-
-class Seen:
-    """Counts the tellings, and waits for the one after which something is true."""
-
-    def __init__(self) -> None:
-        self._told = threading.Condition()
-
-    def __call__(self) -> None:
-        with self._told:
-            self._told.notify_all()
-
-    def wait(self, until: Callable[[], bool]) -> None:
-        with self._told:
-            assert self._told.wait_for(until, PATIENCE)
-
-
-@pytest.fixture
-def seen() -> Seen:
-    return Seen()
 
 
 def test_every_method_gets_its_row_with_what_its_own_registration_gives(seen: Seen) -> None:
