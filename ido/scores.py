@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ido import poses
 from ido.perturbation import Scene
 from ido.types import BoolArray, FloatArray
 
@@ -40,7 +39,9 @@ def registered(scene: Scene, T_model_scene: FloatArray) -> BoolArray:
 
 def _squared_errors(scene: Scene, T: FloatArray) -> FloatArray:
     points = scene.points[~scene.is_outlier].astype(np.float64)
-    return ((poses.transform(T, points) - poses.transform(scene.T_model_scene, points)) ** 2).sum(axis=-1)
+    wrong = T[..., :3, :] - scene.T_model_scene[:3]
+    away = wrong[..., :3].reshape(-1, 3) @ points.T + wrong[..., 3].reshape(-1, 1)  # of all poses in one product
+    return (away**2).reshape(*T.shape[:-2], 3, len(points)).sum(axis=-2)
 
 
 def score(scene: Scene, T_model_scene: FloatArray) -> Scores:

@@ -29,12 +29,12 @@ class Handles:
         self._controls = scene.add_transform_controls(
             f"{root}/handles", scale=_SIZE, line_width=2.0, disable_sliders=True, depth_test=False, opacity=0.55
         )
-        self._held = False
+        self._held = self._turned = False
         self._grabbed = grabbed
         self._controls.on_update(self._on_update)
 
     async def _on_update(self, event: Any) -> None:  # in the order of the gesture; threads would overtake each other
-        self._held = event.phase != "end"
+        self._held, self._turned = event.phase != "end", True
         self._grabbed(event.phase, self._pose())
 
     def draw(self, scene: Scene, T_model_scene: FloatArray, *, shown: bool) -> None:
@@ -45,7 +45,9 @@ class Handles:
             return
         middle = poses.transform(T_model_scene, scene.points[~scene.is_outlier].mean(axis=0)[None])[0]
         self._controls.position = middle
-        self._controls.wxyz = quaternion(Rotation.identity())
+        if self._turned:
+            self._controls.wxyz = quaternion(Rotation.identity())
+            self._turned = False
 
     def _pose(self) -> FloatArray:
         T = np.eye(4)

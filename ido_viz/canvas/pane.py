@@ -7,20 +7,19 @@ from typing import Any
 
 import numpy as np
 import viser
-from scipy.spatial.transform import Rotation
 
 from ido import Question, Scene, poses
 from ido.types import BoolArray, FloatArray
 from ido_viz.canvas.diagram import Diagram
 from ido_viz.canvas.handles import Handles
 from ido_viz.canvas.model_view import ModelView
+from ido_viz.canvas.placed import Echo, PlacedFrame
 from ido_viz.canvas.race_view import RaceView
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.geometry import error_vectors, quaternion, track_of, upright
 from ido_viz.core.inside import Inside
 from ido_viz.core.inspection import Inspection
-from ido_viz.core.overlay import Overlay
 from ido_viz.core.palette import Color
 from ido_viz.core.run import MethodRun
 from ido_viz.core.state import BEATS
@@ -88,16 +87,15 @@ class PaneView:
         self._errors = lines("errors", palette.GHOST, 1.0)
         self._arrow = lines("arrow", palette.GUIDE, 4.0)
         self._arc = lines("arc", palette.GUIDE, 2.5)
-        self._scene = scene.add_frame(f"{root}/scene", show_axes=False)
+        self._scene = PlacedFrame(scene, f"{root}/scene")
         self._points = cloud("scene/points", palette.GUIDE, 0.032)
         self._outliers = cloud("scene/outliers", palette.OUTLIER, 0.012)
-        self._end = scene.add_frame(f"{root}/end", show_axes=False, visible=False)
-        self._end_points = cloud("end/points", palette.GUIDE, 0.018)
-        self._overlay = scene.add_frame(f"{root}/overlay", show_axes=False, visible=False)
-        self._overlay_points = cloud("overlay/points", palette.GUIDE, 0.02)
+        self._end = Echo(scene, f"{root}/end", 0.018)
+        self._overlay = Echo(scene, f"{root}/overlay", 0.02)
         self._handles = None if grabbed is None else Handles(scene, root, grabbed)
         self._diagram = Diagram(scene, root)
         self._race = RaceView(scene, root)
+        self._true_points: FloatArray = _NO_POINTS
         self._colors: np.ndarray | None = None
         self._drawn: tuple[object, ...] | None = None
         self._up: tuple[float, ...] | None = None
@@ -121,9 +119,17 @@ class PaneView:
         self._show_motion(inside, frame.state.dark)
         self._ghost.visible = state.ghost and (inspection is None or inspection.point is None)
         self.move(side)
-        self._end.visible = frame.held
+        end_color = palette.lighter(palette.method_color(side.run.method, state.dark), state.dark, 0.4)
+        if frame.held:
+            self._end.draw(self._true_points, side.run.T_model_scene[-1], end_color)
+        else:
+            self._end.hide()
         self._connect(run.scene, side.T_model_scene, inspection, shown=state.error_vectors)
-        self._lay_over(side.overlay)
+        over = side.overlay
+        if over is None:
+            self._overlay.hide()
+        else:
+            self._overlay.draw(self._true_points, over.T_model_scene, over.color)
         self._race.draw(run.scene, side, run.subject.up, state.dark)
         if self._handles is not None:
             self._handles.draw(run.scene, side.T_model_scene, shown=state.handles)
@@ -133,16 +139,14 @@ class PaneView:
 
     def move(self, side: SideFrame) -> None:
         """Move the scene to the pose of a side, and nothing else."""
-        _move(self._scene, side.T_model_scene)
+        self._scene.place(side.T_model_scene)
 
     def _place(self, scene: Scene, run: MethodRun, dark: bool) -> None:
         """Draw what stays where it is while a registration is played."""
-        true_points = scene.points[~scene.is_outlier]
+        self._true_points = true_points = scene.points[~scene.is_outlier]
         color = palette.method_color(run.method, dark)
         self._colors = None
-        self._points.points = self._end_points.points = self._overlay_points.points = true_points
-        self._end_points.colors = np.array(palette.lighter(color, dark, 0.4))
-        _move(self._end, run.T_model_scene[-1])
+        self._points.points = true_points
         self._outliers.visible = bool(scene.is_outlier.any())
         if self._outliers.visible:  # a cloud of no points is none to the browser
             self._outliers.points = scene.points[scene.is_outlier]
@@ -161,12 +165,6 @@ class PaneView:
         self._errors.visible = len(lines) > 0
         if len(lines):
             self._errors.points = lines
-
-    def _lay_over(self, over: Overlay | None) -> None:
-        self._overlay.visible = over is not None
-        if over is not None:
-            _move(self._overlay, over.T_model_scene)
-            self._overlay_points.colors = np.array(over.color)
 
     def _show_motion(self, inside: Inside | None, dark: bool) -> None:
         """Draw the step that the last beat of the slow motion is about."""
@@ -219,11 +217,6 @@ def answer_colors(first: BoolArray, counts: FloatArray, color: Color, dark: bool
     full = np.where(first[:, None], np.array(color), np.array(palette.ink(dark)))
     faint = np.array((45, 45, 45) if dark else (228, 228, 228))
     return np.rint(faint + (full - faint) * counts[:, None]).astype(np.uint8)
-
-
-def _move(frame: viser.FrameHandle, T: FloatArray) -> None:
-    frame.wxyz = quaternion(Rotation.from_matrix(T[:3, :3]))
-    frame.position = T[:3, 3]
 
 
 def _title(side: SideFrame, *, with_scores: bool) -> str:

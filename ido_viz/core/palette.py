@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from functools import cache
 
 import numpy as np
 
@@ -89,6 +90,7 @@ def verdict_color(verdict: Verdict) -> Color:
     return _VERDICTS.get(verdict, GUIDE)
 
 
+@cache
 def text(color: Color, dark: bool) -> Color:
     """A colour moved towards the page's ink until it can be read as text: a contrast of at least `CONTRAST`."""
     tries = (_moved(color, share if dark else -share) for share in np.linspace(0.0, 1.0, 21).tolist())

@@ -8,6 +8,7 @@ import json
 import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
+from functools import lru_cache
 from typing import Any, Literal, get_args
 
 from ido import RANGES, Perturbation
@@ -200,6 +201,7 @@ def with_values(state: State, values: Mapping[str, Any]) -> State:
     return replace(state, perturbation=perturbation, **{n: v for n, v in values.items() if n not in OF_SCENE})
 
 
+@lru_cache(maxsize=64)  # a page asks several times with each frame
 def encode(state: State) -> str:
     """The short code of a state: what differs from the defaults, as text that survives mail and chat."""
     default = State()
