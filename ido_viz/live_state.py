@@ -1,0 +1,142 @@
+"""The state of a page while it is served: read from its widgets, changed under a lock, and a wake-up for who draws."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import viser
+
+from ido_viz.core.basin import Basin
+from ido_viz.core.changes import at_iteration, held_at_start
+from ido_viz.core.clock import Clock
+from ido_viz.core.comparison import Comparison
+from ido_viz.core.frame import Frame, shown_iteration
+from ido_viz.core.hand import Hand
+from ido_viz.core.history import History
+from ido_viz.core.library import Library
+from ido_viz.core.live_run import LiveRun
+from ido_viz.core.run import Run, scene_inputs
+from ido_viz.core.state import State, StateError
+from ido_viz.page import Page
+
+AFTER_A_CHANGE = 0.7
+"""Seconds without another change of the scene, after which it is played."""
+
+
+class LiveState:
+    """A page's state, what is computed of it, and how both are changed.
+
+    All of it is called on threads of the server, returns at once, and wakes whoever draws.
+
+    Args:
+        client: the tab.
+        library: shapes and methods on offer.
+        state: what it begins with.
+        address: of its page, without the fragment.
+    """
+
+    def __init__(self, client: viser.ClientHandle, library: Library, state: State, address: str = "") -> None:
+        self._library = library
+        self._awake = threading.Condition()
+        self._run: Run | None = None
+        self._live = LiveRun(library, self._wake)
+        self._comparison = Comparison(library, self._wake)
+        self._basin = Basin(library, self._wake)
+        self._history = History(state)
+        self._arrive(client, state, address)
+
+    def _arrive(self, client: viser.ClientHandle, state: State, address: str) -> None:
+        """Begin with a page that is yet to be built."""
+        self._client = client
+        self._address = address
+        self._state = state
+        self._read_controls = False
+        self._dirty = True
+        self._closed = False
+        self._page: Page | None = None  # built by the thread
+        self._drawn: Frame | None = None
+        self._clock = Clock(max(state.iteration, 0))
+        self._first_look = False  # whether a page that plays has yet to be seen
+        self._charts_are_old = False  # those of a page that had no size yet
+        self._in_hand = False  # whether what is waited for is the end of a change
+        self._hand = Hand()
+
+    def _change(
+        self, change: Callable[[State], State], *, show: bool = False, replays_after: float | None = None
+    ) -> None:
+        with self._awake:
+            if self._read_controls:  # what was asked before comes first
+                self._read()
+            try:
+                self._state = change(self._state)
+            except StateError as error:
+                self._tell("This cannot be shown", str(error))
+                return
+            if replays_after is not None and self._state.replay:
+                self._replay(replays_after)
+            if show and self._page is not None:
+                self._page.show(self._state)
+            self._dirty = True
+            self._awake.notify()
+
+    def _changed(self) -> None:
+        with self._awake:
+            self._read_controls = True
+            self._dirty = True
+            self._awake.notify()
+
+    def _wake(self) -> None:
+        with self._awake:
+            self._dirty = True
+            self._awake.notify()
+
+    def _read(self) -> bool:
+        """Take over the controls' values; whether the controls must be shown what became of them."""
+        if self._page is None:  # still being built
+            return False
+        self._read_controls = False
+        before = self._state
+        self._state, usable = self._page.read(before)
+        if self._state.shape != before.shape:
+            self._state = self._library.at_shape(self._state, self._state.shape)
+        if self._state.replay and scene_inputs(self._state) != scene_inputs(before):
+            self._replay(AFTER_A_CHANGE)
+        return not usable or self._state.shape != before.shape
+
+    def _leave_deleted(self) -> bool:
+        """Go to the first shape when the page's own was deleted, also when undo leads there; whether it was."""
+        gone = self._state.shape
+        if gone in self._library.subjects:
+            return False
+        first = next(iter(self._library.subjects))
+        self._state = self._library.at_shape(self._state, first)
+        self._tell("This cloud is gone", f"{gone} is not kept on this server any more; the page shows {first}.")
+        return True
+
+    def _replay(self, wait: float) -> None:
+        """Show the start, and play after so many seconds without another change; called with the lock held."""
+        self._state = held_at_start(self._state)
+        self._clock.start(0.0, wait)
+        self._first_look, self._in_hand = False, True
+
+    def _shown(self, state: State) -> int:
+        """The iteration that a state shows."""
+        return shown_iteration(self._run, state) if self._run else 0
+
+    def _at(self, state: State, iteration: int) -> State:
+        """The state at an iteration; at the end it stays at the end when the run changes."""
+        return at_iteration(state, iteration, self._run.iterations if self._run and not self._live.waiting else 0)
+
+    def _tell(self, title: str, body: str) -> None:
+        self._client.add_notification(title, body, color="red", auto_close_seconds=8.0)
+
+    def _begin(self, begin: Callable[[State], None]) -> None:
+        """Begin work in the background for the newest state."""
+        with self._awake:
+            if self._closed:
+                return
+            if self._read_controls:
+                self._read()
+            begin(self._state)
+        self._wake()
