@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ido.clouds import Cloud, Orientation
-from ido.files import load_cloud
+from ido.files import load_cloud, read_cloud
 from ido.histograms import HISTOGRAMS
 from ido.maps import Maps
 from ido.perturbation import OutlierKind
@@ -55,11 +55,9 @@ def shipped_surface(shape: str) -> tuple[FloatArray, IntArray] | None:
     file = asset(f"{shape}-surface.ply")
     if not file.is_file():
         return None
-    import trimesh  # takes a while to import
-
-    mesh = trimesh.load_mesh(file, process=False)
-    vertices = shipped_cloud(shape).frame.to_model_units(np.asarray(mesh.vertices))
-    return vertices.astype(np.float32), np.asarray(mesh.faces)
+    mesh = read_cloud(file)
+    assert mesh.faces is not None
+    return shipped_cloud(shape).frame.to_model_units(mesh.points).astype(np.float32), mesh.faces
 
 
 @cache

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 
 from ido.blocks.block import Question, Surface
 from ido.blocks.boxes import SIGMA2, Boxes, boxes_of, gaussian_weights, weigh
@@ -32,6 +31,8 @@ class NearOrFar(Question):
 
     def surface(self, point: FloatArray, normal: FloatArray) -> Surface:
         """A sphere of radius σ."""
+        import trimesh  # takes a while to import
+
         sphere = trimesh.creation.icosphere(subdivisions=3, radius=np.sqrt(SIGMA2))
         return Surface(np.asarray(sphere.vertices) + point, np.asarray(sphere.faces))
 

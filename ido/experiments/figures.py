@@ -8,6 +8,8 @@ from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from ido.disk import write_whole
@@ -65,15 +67,21 @@ def write_figure(figure: Figure, path: Path) -> bytes:
 
     It has no date. Its text is outlines, so that no font needs to be there.
     """
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # laid out once, not for each file
-    svg = _written(figure, "svg", metadata={"Date": None})
+    svg, png = as_svg_and_png(figure, _DOTS_PER_INCH, {"Date": None})
     write_whole(path.with_suffix(".svg"), svg)
-    write_whole(path.with_suffix(".png"), _written(figure, "png"))
+    write_whole(path.with_suffix(".png"), png)
     return svg
 
 
-def _written(figure: Figure, kind: str, **options: Any) -> bytes:
-    stream = io.BytesIO()
-    figure.savefig(stream, format=kind, dpi=_DOTS_PER_INCH, **options)
-    return stream.getvalue()
+def as_svg_and_png(
+    figure: Figure, dots_per_inch: int, of_svg: dict[str, Any], of_png: dict[str, Any] | None = None
+) -> tuple[bytes, bytes]:
+    """Both files, with their metadata. The figure is laid out once and drawn once for each; `savefig` does it twice."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    svg, png = io.BytesIO(), io.BytesIO()
+    figure.set_dpi(dots_per_inch)
+    FigureCanvasSVG(figure).print_svg(svg, metadata=of_svg)
+    figure.set_dpi(dots_per_inch)
+    FigureCanvasAgg(figure).print_png(png, metadata=of_png)
+    return svg.getvalue(), png.getvalue()

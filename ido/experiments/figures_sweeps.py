@@ -33,7 +33,7 @@ AXIS_LABELS: dict[str, str] = {
 def sweeps_figure(results: Results, dataset: str, score: str) -> Figure:
     """All methods over the six sweeps of a dataset, baselines as tuned. What was not run is not drawn."""
     of_dataset = results.where(dataset=dataset)
-    figure, axes = grid_of_axes(2, 3, 7.6, sharey=True)
+    figure, axes = grid_of_axes(2, 3, 7.6)
     panels = [ax for row in axes for ax in row]
     runs = [(family, of_dataset.where(method=family.main)) for family in reversed(FAMILIES)]  # ours on top
     for i, (ax, sweep) in enumerate(zip(panels, ROW_NAMES, strict=True)):
@@ -41,7 +41,7 @@ def sweeps_figure(results: Results, dataset: str, score: str) -> Figure:
             _draw_line(ax, run, sweep, score, family, "solid")
         _set_levels(ax, sweep)
         ax.set_title(lettered(i, ROW_NAMES[sweep]))
-    _set_scores(panels, score, ticks=6)
+    _set_scores(axes, score, ticks=6)
     for row in axes:
         row[0].set_ylabel(SCORE_TITLES[score])
     handles = [_handle(family, "solid", family.main, bool(len(run))) for family, run in reversed(runs)]
@@ -54,7 +54,7 @@ def settings_figure(results: Results, dataset: str, score: str) -> Figure:
     """The first two variants of each method that has more than one, side by side over the six sweeps of a dataset."""
     of_dataset = results.where(dataset=dataset)
     families = [family for family in FAMILIES if len(family.variants) > 1]
-    figure, axes = grid_of_axes(len(families), len(LEVELS), 12.5, sharex="col", sharey=True)
+    figure, axes = grid_of_axes(len(families), len(LEVELS), 12.5)
     nothing, do = (of_dataset.where(method=family.main) for family in (NOTHING, LEARNED_FAMILIES[0]))
     for row, family in zip(axes, families, strict=True):
         runs = [(name, of_dataset.where(method=method)) for name, method in family.variants[:2]]
@@ -68,9 +68,10 @@ def settings_figure(results: Results, dataset: str, score: str) -> Figure:
             if missing:
                 ax.set_title(f"{', '.join(missing)}: not run", fontsize=9.5, color=INK, style="italic", pad=3)
         row[0].set_ylabel(f"{family.title.replace(' (', chr(10) + '(')}\n{SCORE_TITLES[score]}")
-    _set_scores([ax for row in axes for ax in row], score, ticks=4)
+    _set_scores(axes, score, ticks=4)
     for ax in (ax for row in axes[:-1] for ax in row):
         ax.set_xlabel("")
+        ax.tick_params(labelbottom=False)
     for ax in axes[-1]:
         ax.set_xlabel(ax.get_xlabel().replace(", ", "\n"))
     for ax, sweep in zip(axes[0], ROW_NAMES, strict=True):
@@ -119,13 +120,19 @@ def _set_levels(ax: Axes, sweep: str) -> None:
         ax.set_xticks(range(0, 181, 60))
 
 
-def _set_scores(panels: Sequence[Axes], score: str, ticks: int) -> None:
-    """The same range in all panels: all that an accuracy can be, or up to the largest mean."""
+def _set_scores(axes: Sequence[Sequence[Axes]], score: str, ticks: int) -> None:
+    """The same range in all panels: all that an accuracy can be, or up to the largest mean.
+
+    Matplotlib's shared axes would do this, too, but slowly when there are many.
+    """
+    panels = [ax for row in axes for ax in row]
     means = np.concatenate([np.asarray(line.get_ydata()) for ax in panels for line in ax.lines] or [np.zeros(1)])
     top = 1.0 if score == "accuracy" else np.nanmax(means, initial=0.1)
     for ax in panels:
         ax.set_ylim(-0.04 * top, 1.05 * top)
         ax.yaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+    for ax in (ax for row in axes for ax in row[1:]):
+        ax.tick_params(labelleft=False)
 
 
 def _handle(family: Family, look: str, label: str, was_run: bool = True) -> Line2D:

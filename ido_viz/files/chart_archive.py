@@ -9,6 +9,7 @@ import zipfile
 import matplotlib
 from matplotlib.figure import Figure
 
+from ido.experiments.figures import as_svg_and_png
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.run import Run
 from ido_viz.core.state import encode
@@ -34,10 +35,10 @@ def charts_zip(frame: Frame) -> bytes:
         with _drawing, matplotlib.rc_context(STYLE):
             for name, figure in _figures(frame).items():
                 about = {"Title": f"{name}: {_names(run)}", "Description": f"{scene_line(state)}; {encode(state)}"}
-                figure.draw_without_rendering()
-                figure.set_layout_engine("none")  # laid out once, not for each file
-                add(f"{name}.svg", _written(figure, "svg", {**about, "Creator": "IDO Explorer", "Date": None}))
-                add(f"{name}.png", _written(figure, "png", {**about, "Software": "IDO Explorer"}))
+                of_svg = {**about, "Creator": "IDO Explorer", "Date": None}
+                svg, png = as_svg_and_png(figure, DOTS_PER_INCH, of_svg, {**about, "Software": "IDO Explorer"})
+                add(f"{name}.svg", svg)
+                add(f"{name}.png", png)
         add("README.txt", readme(frame).encode())
     return archive.getvalue()
 
@@ -48,12 +49,6 @@ def _figures(frame: Frame) -> dict[str, Figure]:
     if any(side.run.maps for side in frame.sides):
         figures["maps"] = maps_figure(frame)
     return figures
-
-
-def _written(figure: Figure, kind: str, metadata: dict[str, str | None]) -> bytes:
-    content = io.BytesIO()
-    figure.savefig(content, format=kind, dpi=DOTS_PER_INCH, metadata=metadata)
-    return content.getvalue()
 
 
 def readme(frame: Frame) -> str:

@@ -25,7 +25,6 @@ from ido_viz.core.state import State, encode
 from ido_viz.core.turns import Turns
 from ido_viz.files.animation_gif import animation_gif
 from ido_viz.files.animation_html import animation_html
-from ido_viz.files.chart_archive import charts_zip
 
 _FILES = Turns(1)
 _log = logging.getLogger(__name__)
@@ -102,6 +101,12 @@ def curves_csv(run: Run) -> str:
     return text.getvalue()
 
 
+def _charts(frame: Frame) -> bytes:
+    from ido_viz.files.chart_archive import charts_zip  # with Matplotlib, which takes a while to import
+
+    return charts_zip(frame)
+
+
 EXPORTS = (
     Export(
         "Run (.npz)",
@@ -126,7 +131,7 @@ EXPORTS = (
         "Charts (.zip)",
         "Histograms, maps and curves for a paper, as SVG and PNG.",
         ".zip",
-        lambda frame, _: charts_zip(frame),
+        lambda frame, _: _charts(frame),
     ),
 )
 """What the page offers."""

@@ -15,6 +15,7 @@ from ido.experiments.workers import become_worker
 from ido.training import Learner, training_scenes
 from ido_viz.own.card import Card
 from ido_viz.own.kept import TRAINED, Kept
+from ido_viz.own.training_queue import Told
 
 POLITENESS = 5
 """By how much the process gives way to others, where the system knows of that."""
@@ -33,21 +34,6 @@ class Order:
     model: Model
     settings: TrainingSettings
     limit: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Told:
-    """How far a process is.
-
-    Args:
-        maps: learned so far, of each method.
-        errors: mean training error of each method after them, in the order of `TRAINED`.
-        written: whether the file holds them.
-    """
-
-    maps: int
-    errors: tuple[float, ...]
-    written: bool
 
 
 def learn(order: Order, file: Path, told: Connection) -> None:

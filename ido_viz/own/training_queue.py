@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
-from ido_viz.own.learning import Told
-
 MOST_WAITING = 20
 """Trainings of all people together."""
 
@@ -22,6 +20,21 @@ _log = logging.getLogger(__name__)
 
 class QueueError(ValueError):
     """A training cannot be begun; the message says why and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """How far a process is.
+
+    Args:
+        maps: learned so far, of each method.
+        errors: mean training error of each method after them, in the order of `TRAINED`.
+        written: whether the file holds them.
+    """
+
+    maps: int
+    errors: tuple[float, ...]
+    written: bool
 
 
 @dataclass(slots=True, eq=False)

@@ -16,10 +16,10 @@ from ido.files.cloud_file import CloudFile, UsedPoints
 from ido_viz.core.library import Library
 from ido_viz.own.draft import UNITS, Draft, draft_of, open_upload, shown_name
 from ido_viz.own.kept import Kept
-from ido_viz.own.learning import Order, Told, learn, measure
+from ido_viz.own.learning import Order, learn, measure
 from ido_viz.own.plans import Cost, measured_cost
 from ido_viz.own.shelf import LEARNING, Shelf, ShelfError
-from ido_viz.own.training_queue import Job, TrainingQueue
+from ido_viz.own.training_queue import Job, Told, TrainingQueue
 
 _log = logging.getLogger(__name__)
 

@@ -6,7 +6,6 @@ import html
 from collections.abc import Callable
 from typing import Any, get_args
 
-import segno
 import viser
 
 from ido_viz.core.actions import Actions, plain
@@ -108,5 +107,7 @@ class ShareFolder:
 
 def qr_html(link: str) -> str:
     """A link to be scanned from across a room, and to be read."""
+    import segno  # takes a while to import
+
     drawn = segno.make_qr(link, error="l").svg_inline(border=4, dark="#000", light="#fff", omitsize=True)
     return f'{drawn}<div style="overflow-wrap:anywhere;font-size:0.75rem;margin:4px 8px">{html.escape(link)}</div>'

@@ -8,13 +8,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
-from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
+from jobs import failing, until_there
 
 from ido_viz.own import training_queue
-from ido_viz.own.learning import Told
 from ido_viz.own.training_queue import Job, QueueError, TrainingQueue
 
 PATIENCE = 40.0  # seconds; only a failing test waits that long
@@ -25,17 +24,6 @@ def wait(what: str, until: Callable[[], object]) -> None:
     while not until():
         assert time.monotonic() < deadline, f"waited in vain for {what}"
         time.sleep(0.01)
-
-
-def until_there(file: Path, told: Connection) -> None:
-    """Work that tells its process's number, and ends once a file is there."""
-    told.send(Told(os.getpid(), (0.5,), written=False))
-    while not file.exists():
-        time.sleep(0.01)
-
-
-def failing(told: Connection) -> None:
-    raise ValueError("these scenes cannot be drawn")
 
 
 @pytest.fixture

@@ -18,8 +18,8 @@ from ido_viz.core.library import shipped_library
 from ido_viz.own.card import Card
 from ido_viz.own.draft import Draft
 from ido_viz.own.kept import TRAINED, Kept
-from ido_viz.own.learning import Told
 from ido_viz.own.shelf import ShelfError
+from ido_viz.own.training_queue import Told
 from ido_viz.own.workshop import Workshop
 
 PATIENCE = 60.0  # seconds; only a failing test waits that long
