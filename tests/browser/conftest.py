@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, page_without_3d
+from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, new_page
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz import requests
@@ -69,18 +69,12 @@ def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def draws(request: pytest.FixtureRequest) -> bool:
-    """Whether the test sees the 3D scene: that takes time."""
-    return request.node.get_closest_marker("looks_at_canvas") is not None
-
-
-@pytest.fixture
-def open_explorer(browser: Browser, app_for: Callable[[State], App], draws: bool) -> Iterator[OpenExplorer]:
+def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
     """Opens new pages that begin with a state, by default at the end of a registration and not playing."""
     opened: list[Explorer] = []
 
     def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
-        opened.append(new_page(app_for(state), browser, size, draws))
+        opened.append(new_explorer(app_for(state), browser, size))
         return opened[-1].open() if wait else opened[-1]
 
     yield open_page
@@ -90,31 +84,30 @@ def open_explorer(browser: Browser, app_for: Callable[[State], App], draws: bool
     assert errors == []
 
 
-def new_page(app: App, browser: Browser, size: tuple[int, int], draws: bool) -> Explorer:
-    viewport = ViewportSize(width=size[0], height=size[1])
-    page = browser.new_page(viewport=viewport) if draws else page_without_3d(browser, viewport=viewport)
-    return Explorer(app, page)
+def new_explorer(app: App, browser: Browser, size: tuple[int, int]) -> Explorer:
+    return Explorer(app, new_page(browser, viewport=ViewportSize(width=size[0], height=size[1])))
 
 
 @pytest.fixture(scope="session")
-def kept_pages() -> Iterator[dict[bool, Explorer]]:
-    """The pages that tests use one after another, each of an app of its own, by whether they draw."""
-    pages: dict[bool, Explorer] = {}
+def kept_pages() -> Iterator[list[Explorer]]:
+    """The page that tests use one after another, of an app of its own, while no test has it."""
+    pages: list[Explorer] = []
     yield pages
-    for explorer in pages.values():
+    for explorer in pages:
         explorer.app.stop()
 
 
 @pytest.fixture
-def explorer(browser: Browser, kept_pages: dict[bool, Explorer], draws: bool) -> Iterator[Explorer]:
+def explorer(browser: Browser, kept_pages: list[Explorer]) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
-    kept = kept_pages.pop(draws, None)  # a test that fails keeps it from the next
-    if kept is None:
-        kept = new_page(App(AT_THE_END, port=0), browser, SMALL, draws).open()
+    if kept_pages:
+        kept = kept_pages.pop()  # a test that fails keeps it from the next
+    else:
+        kept = new_explorer(App(AT_THE_END, port=0), browser, SMALL).open()
     yield kept
     assert kept.errors == []
     kept.put_back(AT_THE_END)
-    kept_pages[draws] = kept
+    kept_pages.append(kept)
 
 
 @pytest.fixture

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from explorer import AT_THE_END, AT_THE_START, Explorer, OpenExplorer, box_of, like
-from PIL import Image
 
 from ido import RANGES
 from ido_viz.core import palette
 from ido_viz.core.state import encode
 
-pytestmark = [
-    pytest.mark.looks_at_canvas,
-    pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning"),
-]
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 COLORS = [palette.method_color(name) for name in (AT_THE_START.left, AT_THE_START.right)]
 DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
@@ -191,7 +186,7 @@ def test_every_tab_of_the_charts_shows_something(at_the_start: Explorer):
 
 def brightness(explorer: Explorer) -> float:
     """Median brightness of the whole page."""
-    return float(np.median(np.asarray(Image.open(io.BytesIO(explorer.page.screenshot())).convert("L"))))
+    return float(np.median(np.asarray(explorer.picture().convert("L"))))
 
 
 def test_dark_and_light_again(explorer: Explorer):

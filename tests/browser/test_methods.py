@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from explorer import Explorer, box_of
 
 from ido_viz.core.library import shipped_library
@@ -72,7 +71,6 @@ def test_a_scene_of_the_shipped_results_is_opened(explorer: Explorer):
     assert abs(float(accuracy) - float(scene.split()[-1].rstrip(")"))) <= 0.02
 
 
-@pytest.mark.looks_at_canvas
 def test_a_model_point_is_picked_by_a_click_and_looked_into(explorer: Explorer):
     explorer.open_tab("Inspect")
     explorer.choose("Its question", "up / down")

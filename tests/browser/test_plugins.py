@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from explorer import AT_THE_START, Explorer, page_without_3d
+from explorer import AT_THE_START, Explorer, new_page
 from playwright.sync_api import Browser, ViewportSize
 
 from ido import Cloud
@@ -47,7 +47,7 @@ def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], E
     opened: list[Explorer] = []
 
     def open_page(state: State) -> Explorer:
-        page = page_without_3d(browser, viewport=WINDOW)
+        page = new_page(browser, viewport=WINDOW)
         opened.append(Explorer(App(state, library=library, port=0), page))
         return opened[-1].open()
 

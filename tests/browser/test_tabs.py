@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from explorer import AT_THE_END, Explorer, OpenExplorer, page_without_3d
+from explorer import AT_THE_END, Explorer, OpenExplorer, new_page
 from playwright.sync_api import Browser
 
 from ido_viz.app import App
@@ -55,7 +55,7 @@ def test_tabs_closed_before_they_are_ready_are_freed(
     state = replace(AT_THE_END, speed=29)  # an app of their own
     app = app_for(state)
     for patience in (0, 100, 400):
-        page = page_without_3d(browser)
+        page = new_page(browser)
         page.goto(app.url)
         page.wait_for_timeout(patience)
         page.close()
