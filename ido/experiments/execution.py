@@ -21,7 +21,7 @@ from ido.experiments.store import Key, Row, Settings
 from ido.experiments.sweeps import LEVELS, level_scene
 from ido.experiments.workers import share_out
 from ido.global_registration import Confidence
-from ido.methods import POLISHED, Method, from_any_start, method_names, shipped_method
+from ido.methods import POLISHED, Method, compared, shipped_method
 from ido.perturbation import Perturbation, Scene, perturb
 from ido.scores import score
 from ido.shipped import SHAPES, shipped_cloud
@@ -100,7 +100,7 @@ class Experiment:
         return [
             (shape, name + suffix)
             for shape in shapes
-            for name in (*method_names(shape), *from_any_start(shape))
+            for name in compared(shape)
             if name in self.methods
             for suffix in ("", POLISHED)[: 1 + self.polish]
         ]
