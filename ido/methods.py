@@ -16,6 +16,8 @@ from ido.extensions import LearnedMethod, OwnError, OwnMethod, UpdateMethod, che
 from ido.global_registration import GlobalModel, GlobalRegistration, GlobalSettings, ManyStarts, polish
 from ido.histograms import Histogram
 from ido.maps import Maps
+from ido.peers import FGR, GICP, KISS, RANSAC, Peer
+from ido.peers.peer import register_once
 from ido.registration import EPSILON, MAX_ITERATIONS, Trajectory, Watch, register
 from ido.shipped import SHAPES, shipped_cloud, shipped_histograms, shipped_maps
 from ido.types import FloatArray
@@ -55,6 +57,14 @@ FROM_ANY_START: dict[str, GlobalSettings] = {
 
 MANY_STARTS: dict[str, str] = {f"{name}, many starts": name for name in ("DO", "Improved DO")}
 """Learned methods from many starts, and which one each is."""
+
+_TUNED_PEERS: tuple[Peer, ...] = (RANSAC(), FGR(), GICP(downsampling=0.15, cutoff=0.5), KISS())
+
+PEERS: dict[str, Peer] = {
+    **{f"{peer.title}, default": peer for peer in (RANSAC(), FGR(), GICP(), KISS())},
+    **{f"{peer.title}, tuned": peer for peer in _TUNED_PEERS},
+}
+"""What people use today instead, by name: as its library has it, and with settings that `ido experiment tune` chose."""
 
 POLISHED = ", polished"
 """Ends the name of any method whose pose is brought to the top of the likelihood near it."""
@@ -99,6 +109,15 @@ class Method:
     def baseline(cls, name: str, baseline: Baseline, model: Model) -> Method:
         """A baseline on a model."""
         return cls(name, baseline.settings, partial(baseline.register, model.points), model)
+
+    @classmethod
+    def peer(cls, name: str, peer: Peer, cloud: FloatArray, model: Model) -> Method:
+        """A peer, made ready for a cloud (N, 3) in model units; what it finds is shown on a model.
+
+        Raises:
+            PeerError: its library is not installed.
+        """
+        return cls(name, peer.settings, partial(register_once, peer.title, peer.onto(cloud)), model)
 
     @classmethod
     def from_any_start(
@@ -184,6 +203,16 @@ def from_any_start(shape: str) -> tuple[str, ...]:
     return (*FROM_ANY_START, *(name for name, one in MANY_STARTS.items() if one in learned))
 
 
+def compared(shape: str) -> tuple[str, ...]:
+    """All methods that the experiments compare on a shipped shape, installed or not."""
+    return (*method_names(shape), *from_any_start(shape), *PEERS)
+
+
+def is_installed(name: str) -> bool:
+    """Whether a method can run here: the library of a peer may be missing."""
+    return name not in PEERS or PEERS[name].is_installed()
+
+
 @cache
 def shipped_global_model(shape: str) -> GlobalModel:
     """What the global method registers onto, for a shipped shape; a second or two to make."""
@@ -195,13 +224,13 @@ def shipped_method(shape: str, name: str) -> Method:
     """A method by name, for a shipped shape.
 
     Raises:
-        ValueError: the shape or the method is unknown.
+        ValueError: the shape or the method is unknown, or the library of a peer is not installed.
     """
     if shape not in SHAPES:
         raise ValueError(f"unknown shape {shape!r}; known: {', '.join(SHAPES)}")
     if name.endswith(POLISHED):
         return shipped_method(shape, name.removesuffix(POLISHED)).polished(shipped_global_model(shape))
-    known = (*method_names(shape), *from_any_start(shape))
+    known = compared(shape)
     if name not in known:
         raise ValueError(f"{name!r} cannot register {shape!r}; known: {', '.join(known)}")
     if name in LEARNED:
@@ -214,4 +243,16 @@ def shipped_method(shape: str, name: str) -> Method:
         maps = shipped_maps(shape, LEARNED[MANY_STARTS[name]])
         registration = GlobalRegistration(shipped_global_model(shape), starts=ManyStarts(maps))
         return Method.from_any_start(name, registration, model, maps)
-    return Method.baseline(name, BASELINES[name], model)
+    return method_of(shape, name, BASELINES[name] if name in BASELINES else PEERS[name])
+
+
+def method_of(shape: str, name: str, its: Baseline | Peer) -> Method:
+    """A baseline or a peer as method for a shipped shape: the first has its model points, the other the whole cloud.
+
+    Raises:
+        PeerError: the library of a peer is not installed.
+    """
+    model = shipped_maps(shape, LEARNED["DO"]).histogram.model
+    if isinstance(its, Peer):
+        return Method.peer(name, its, shipped_cloud(shape).points, model)
+    return Method.baseline(name, its, model)

@@ -38,6 +38,7 @@ class Results:
         seconds: wall time of the registration; float64.
         iterations: int64.
         stop: why it ended, a `StopReason`; str.
+        probability: that its pose is right, from what the method knew; NaN where it gives none; float64.
     """
 
     dataset: np.ndarray
@@ -53,6 +54,7 @@ class Results:
     seconds: FloatArray
     iterations: np.ndarray
     stop: np.ndarray
+    probability: FloatArray
 
     def __len__(self) -> int:
         return len(self.dataset)

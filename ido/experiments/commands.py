@@ -24,6 +24,8 @@ from ido.experiments.store import Row, Store
 from ido.experiments.sweeps import LEVELS
 from ido.experiments.tune import tune_command
 from ido.experiments.workers import executor_of
+from ido.methods import is_installed
+from ido.peers.peer import PEERS_EXTRA
 from ido.results import Results
 from ido.shipped import SHAPES
 
@@ -45,7 +47,7 @@ def run_command(
     output: Annotated[Path, arg(aliases=["-o"], metavar="FILE.sqlite")] = Path("ido-results.sqlite"),
     datasets: tuple[DatasetName, ...] = tuple(SHAPES),
     sweeps: tuple[SweepName, ...] | None = None,
-    methods: Annotated[tuple[MethodName, ...], arg(metavar="METHOD ...")] = COMPARED_METHODS,
+    methods: Annotated[tuple[MethodName, ...] | None, arg(metavar="METHOD ...")] = None,
     levels: tuple[float, ...] | None = None,
     scenes: int = MOST_SCENES,
     polish: bool = False,
@@ -67,7 +69,7 @@ def run_command(
         output: Where the results go; a file already there is continued.
         datasets: Shapes to perturb.
         sweeps: Which perturbations to vary, or which scenes beyond. Default: all of the experiment.
-        methods: Methods to compare, each in quotes.
+        methods: Methods to compare, each in quotes. Default: all whose libraries are installed.
         levels: Only these levels of the sweeps, where a sweep has them. Default: all.
         scenes: Scenes at each level, at most 100. Fewer are the first of more.
         polish: Also run each method with its last pose brought to the top of the likelihood near it.
@@ -77,6 +79,10 @@ def run_command(
     its_sweeps = tuple(LEVELS if what == "paper" else BEYOND)
     if strange := set(sweeps or ()) - set(its_sweeps):
         raise ValueError(f"{', '.join(sorted(strange))}: not of this experiment; choose from {', '.join(its_sweeps)}")
+    if methods is None:
+        methods = tuple(name for name in COMPARED_METHODS if is_installed(name))
+        if left_out := [name for name in COMPARED_METHODS if name not in methods]:
+            note(f"without {', '.join(left_out)}: they need {escape(PEERS_EXTRA)}")
     experiment = Experiment(
         datasets=datasets,
         sweeps=its_sweeps if sweeps is None else sweeps,

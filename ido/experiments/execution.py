@@ -20,7 +20,8 @@ from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.store import Key, Row, Settings
 from ido.experiments.sweeps import LEVELS, level_scene
 from ido.experiments.workers import share_out
-from ido.methods import POLISHED, Method, from_any_start, method_names, shipped_method
+from ido.global_registration import Confidence
+from ido.methods import POLISHED, Method, compared, shipped_method
 from ido.perturbation import Perturbation, Scene, perturb
 from ido.scores import score
 from ido.shipped import SHAPES, shipped_cloud
@@ -99,7 +100,7 @@ class Experiment:
         return [
             (shape, name + suffix)
             for shape in shapes
-            for name in (*method_names(shape), *from_any_start(shape))
+            for name in compared(shape)
             if name in self.methods
             for suffix in ("", POLISHED)[: 1 + self.polish]
         ]
@@ -192,15 +193,17 @@ def _warmed_up(dataset: str, name: str) -> Method:
 def _register(chunk: Chunk, trial: int, method: Method) -> Row:
     scene, seed = _scene(chunk, trial)
     row = partial(Row, chunk.dataset, chunk.method, chunk.sweep, chunk.level, trial, seed)
-    began = time.perf_counter()
+    began = time.process_time()
     try:
-        track = method.register(scene.points)
-        seconds = time.perf_counter() - began
+        result = method.registration.run(scene.points) if method.registration else None
+        track = result.trajectory if result else method.register(scene.points)
+        seconds = time.process_time() - began
         found = score(scene, track.T_model_scene[-1])
+        probability = Confidence.of(result).probability if result else math.nan
     except MemoryError:  # says nothing about the method
         raise
     except Exception:
-        return row(0.0, math.nan, math.nan, math.nan, time.perf_counter() - began, 0, FAILED)
+        return row(0.0, math.nan, math.nan, math.nan, time.process_time() - began, 0, FAILED, math.nan)
     return row(
         float(found.accuracy),
         float(found.rmse),
@@ -209,6 +212,7 @@ def _register(chunk: Chunk, trial: int, method: Method) -> Row:
         seconds,
         track.iterations,
         str(track.stop),
+        probability,
     )
 
 

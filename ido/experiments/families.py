@@ -33,7 +33,7 @@ class Family:
         return self.variants[0][1]
 
 
-def _baseline(title: str, paper: str, color: str, marker: str) -> Family:
+def _two_settings(title: str, paper: str | None, color: str, marker: str) -> Family:
     variants = tuple((setting, f"{title}, {setting}") for setting in ("tuned", "default"))
     return Family(title, paper, variants, color, marker)
 
@@ -52,18 +52,25 @@ def _in_brackets(title: str, names: Iterable[str]) -> tuple[tuple[str, str], ...
 LEARNED_FAMILIES: tuple[Family, ...] = (_learned("DO", "#0072B2", "o"), _learned("Improved DO", "#D55E00", "s"))
 
 BASELINE_FAMILIES: tuple[Family, ...] = (
-    _baseline("BCPD", "BCPD", "#7B3FA0", "D"),
-    _baseline("CPD", "CPD", "#56B4E9", "^"),
-    _baseline("GMMReg", "GMMReg", "#CC79A7", "v"),
-    _baseline("ICP", "ICP", "#E69F00", "X"),
-    _baseline("KCCE (reconstruction)", "KCCE", "#000000", "P"),
+    _two_settings("BCPD", "BCPD", "#7B3FA0", "D"),
+    _two_settings("CPD", "CPD", "#56B4E9", "^"),
+    _two_settings("GMMReg", "GMMReg", "#CC79A7", "v"),
+    _two_settings("ICP", "ICP", "#E69F00", "X"),
+    _two_settings("KCCE (reconstruction)", "KCCE", "#000000", "P"),
 )
 
 GLOBAL = Family("Global", None, (("here", "Global"), *_in_brackets("Global", FROM_ANY_START)), "#8C4A2F", "*")
 
+PEER_FAMILIES: tuple[Family, ...] = (
+    _two_settings("Open3D RANSAC", None, "#332288", "<"),
+    _two_settings("Open3D FGR", None, "#DDCC77", ">"),
+    _two_settings("small_gicp", None, "#882255", "h"),
+    _two_settings("KISS-Matcher", None, "#6B8E9E", "p"),
+)
+
 NOTHING = Family("Did nothing", None, (("here", "Did nothing"),), "#777777", "")
 
-FAMILIES: tuple[Family, ...] = (*LEARNED_FAMILIES, *BASELINE_FAMILIES, GLOBAL, NOTHING)
+FAMILIES: tuple[Family, ...] = (*LEARNED_FAMILIES, *BASELINE_FAMILIES, GLOBAL, *PEER_FAMILIES, NOTHING)
 """All of them, in the order of the report."""
 
 COMPARED_METHODS: tuple[str, ...] = tuple(method for family in FAMILIES for _, method in family.variants)

@@ -12,7 +12,7 @@ from ido.experiments.estimates import Costs, Estimate, level_estimates, sweep_es
 from ido.experiments.families import COMPARED_METHODS, FAMILIES, Family
 from ido.experiments.paper import ROW_NAMES, SCORE_TITLES, PaperTable
 from ido.experiments.sweeps import LEVELS
-from ido.methods import from_any_start, method_names
+from ido.methods import compared
 from ido.perturbation import RANGES, Perturbation
 from ido.registration import StopReason
 from ido.results import Results
@@ -25,7 +25,7 @@ _NO_NUMBER = '<td class="none">–</td>'
 
 def methods_of(dataset: str) -> list[str]:
     """The methods that can register a dataset, in the order of the report."""
-    known = (*method_names(dataset), *from_any_start(dataset))
+    known = compared(dataset)
     return [method for method in COMPARED_METHODS if method in known]
 
 

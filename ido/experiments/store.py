@@ -25,7 +25,7 @@ Settings = Mapping[str, object]
 Key = tuple[str, str, str, float, int]
 """Which registration: dataset, method, sweep, level, trial."""
 
-VERSION = 1
+VERSION = 2
 """Of the tables; a file of another version is refused."""
 
 
@@ -49,6 +49,7 @@ class Row(NamedTuple):
     seconds: float
     iterations: int
     stop: str
+    probability: float
 
 
 _KEY = "dataset, method, sweep, level, trial"
@@ -81,6 +82,7 @@ _SCHEMA = (
         seconds REAL NOT NULL,
         iterations INTEGER NOT NULL,
         stop TEXT NOT NULL,
+        probability REAL,
         UNIQUE ({_KEY}),
         FOREIGN KEY (dataset, method) REFERENCES methods (dataset, name)
     )""",  # SQLite stores NaN as NULL

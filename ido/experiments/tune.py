@@ -1,4 +1,4 @@
-"""Choosing the baselines' `tuned` settings: every candidate on scenes that are used for nothing else."""
+"""Choosing the `tuned` settings of baselines and peers: every candidate on scenes that are used for nothing else."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from rich.table import Table
 from ido.baselines import BCPD, CPD, ICP, KCCE, Baseline, GMMReg
 from ido.experiments.sweeps import LEVELS, level_scene
 from ido.experiments.workers import executor_of
-from ido.methods import BASELINES
+from ido.methods import BASELINES, PEERS, method_of
+from ido.peers import FGR, GICP, KISS, RANSAC, Peer
 from ido.perturbation import Perturbation, Scene, perturb
 from ido.scores import score
-from ido.shipped import SHAPES, shipped_cloud, shipped_maps
+from ido.shipped import SHAPES, shipped_cloud
 
 SEED = 3_000_000
 """First seed of the scenes to choose by; the reported ones begin at 1,000,000."""
@@ -37,7 +38,9 @@ _SIGMAS = (
     (0.2, 0.1),
 )
 
-CANDIDATES: dict[str, tuple[Baseline, ...]] = {
+_VOXELS = (0.05, 0.075, 0.1, 0.125, 0.15, 0.175, 0.2)
+
+CANDIDATES: dict[str, tuple[Baseline | Peer, ...]] = {
     "ICP": tuple(
         ICP(search=search, cutoff=cutoff)
         for search, cutoff in product(("scene", "model"), (float("inf"), 1.0, 0.5, 0.4, 0.3, 0.2, 0.1))
@@ -57,24 +60,35 @@ CANDIDATES: dict[str, tuple[Baseline, ...]] = {
         for start, end in product((0.7, 0.5, 0.35, 0.25, 0.2), (0.2, 0.15, 0.1, 0.07, 0.05))
         if end <= start
     ),
+    "Open3D RANSAC": tuple(RANSAC(voxel=v, normal_gain=gain) for v, gain in product(_VOXELS, (2.0, 3.0))),
+    "Open3D FGR": tuple(FGR(voxel=v, distance_gain=gain) for v, gain in product(_VOXELS, (0.5, 1.0))),
+    "small_gicp": (
+        GICP(),
+        GICP(cutoff=0.5),
+        *(GICP(downsampling=side, cutoff=c) for side, c in product((0.03, 0.07, 0.15, 0.2), (0.5, 0.3, 0.2))),
+    ),
+    "KISS-Matcher": tuple(
+        KISS(voxel=v, noise_gain=gain, solver_gain=0.75 * gain)
+        for v, gain in product((0.07, 0.1, 0.125, 0.15, 0.2, 0.25, 0.3), (1.0, 2.0))
+    ),
 }
-"""What is tried for each baseline: settings for outliers, units and widths. All else stays as it is by default, but
-GMMReg may make 100 evaluations at each width."""
+"""What is tried for each: settings for outliers, units and widths; as many for each peer as for ICP. All else stays as
+it is by default, but GMMReg may make 100 evaluations at each width."""
 
 
-def evaluate(candidate: Baseline, scenes: int, seed: int = SEED) -> tuple[float, ...]:
+def evaluate(candidate: Baseline | Peer, scenes: int, seed: int = SEED) -> tuple[float, ...]:
     """Mean PointAcc over all levels of all sweeps, one figure for each shipped shape.
 
     Args:
-        candidate: the baseline with its settings.
+        candidate: the method with its settings.
         scenes: scenes at each level.
         seed: of the first scene.
     """
     means = []
     for shape in SHAPES:
-        model = shipped_maps(shape, "front-back").histogram.model
+        method = method_of(shape, candidate.title, candidate)
         found = [
-            score(scene, candidate.register(model.points, scene.points).T_model_scene[-1]).accuracy
+            score(scene, method.register(scene.points).T_model_scene[-1]).accuracy
             for scene in _scenes(shape, scenes, seed)
         ]
         means.append(float(np.mean(found)))
@@ -90,8 +104,8 @@ def _scenes(shape: str, scenes: int, seed: int) -> tuple[Scene, ...]:
 
 
 def best(
-    candidates: Sequence[Baseline], scenes: int, executor: Executor
-) -> Iterator[tuple[Baseline, tuple[float, ...]]]:
+    candidates: Sequence[Baseline | Peer], scenes: int, executor: Executor
+) -> Iterator[tuple[Baseline | Peer, tuple[float, ...]]]:
     """All candidates with their means, best first."""
     means = list(executor.map(evaluate, candidates, [scenes] * len(candidates)))
     order = sorted(range(len(candidates)), key=lambda i: -sum(means[i]))
@@ -99,32 +113,32 @@ def best(
 
 
 def tune_command(scenes: int = 3, methods: tuple[str, ...] = tuple(CANDIDATES), workers: int | None = None) -> None:
-    """Try every candidate setting of the baselines, and print them with the best first.
+    """Try every candidate setting of the baselines and the peers, and print them with the best first.
 
     Candidates are scored by their mean PointAcc over all levels of the paper's sweeps on both shapes, on scenes with
     seeds of their own. The best of each is what ships as its `tuned` setting.
 
     Args:
         scenes: Scenes at each level.
-        methods: Baselines to tune.
+        methods: Baselines and peers to tune.
         workers: Processes that share the candidates out. Default: one for each core.
     """
     if scenes < 1:
         raise ValueError(f"scenes must be at least 1, not {scenes}")
     unknown = [name for name in methods if name not in CANDIDATES]
     if unknown:
-        raise ValueError(f"unknown baseline {', '.join(unknown)}; known: {', '.join(CANDIDATES)}")
+        raise ValueError(f"unknown method {', '.join(unknown)}; known: {', '.join(CANDIDATES)}")
     with executor_of(workers, None) as (pool, _):
         for name in track(methods, description="tuning", console=Console(stderr=True)):
             table = Table("", "settings", *SHAPES, "mean", title=f"{name}: mean PointAcc, {scenes} scenes a level")
             for candidate, means in best(CANDIDATES[name], scenes, pool):
-                marks = [n for n, b in BASELINES.items() if b == candidate]
+                marks = [n for n, its in {**BASELINES, **PEERS}.items() if its == candidate]
                 figures = [f"{value:.3f}" for value in (*means, float(np.mean(means)))]
                 table.add_row(", ".join(marks), _differences(candidate), *figures)
             Console().print(table)
 
 
-def _differences(candidate: Baseline) -> str:
+def _differences(candidate: Baseline | Peer) -> str:
     """The settings that differ from the authors'."""
     usual = type(candidate)().settings
     changed = {name: value for name, value in candidate.settings.items() if value != usual[name]}
