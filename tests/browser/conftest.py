@@ -1,4 +1,4 @@
-"""One browser for all tests, one page for each, and a page's own errors fail its test."""
+"""One browser for all tests, and a page's own errors fail its test."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, new_page
-from playwright.sync_api import Browser, ViewportSize, sync_playwright
+from explorer import AT_THE_END, AT_THE_START, SELDOM_DRAWN, SMALL, Explorer, OpenExplorer, new_page
+from playwright.sync_api import BrowserContext, sync_playwright
 
 from ido_viz import requests
 from ido_viz.app import App
@@ -27,6 +27,7 @@ FLAGS = [
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    "--process-per-site",  # a process that has shown a page shows the next one sooner
 ]
 
 
@@ -37,13 +38,16 @@ def chromium() -> str | None:
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
+def context() -> Iterator[BrowserContext]:
+    """The browser."""
     executable = chromium()
     if executable is None:
         pytest.skip("no Chromium: install it, or give its path in the environment variable CHROMIUM")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=executable, args=FLAGS)
-        yield browser
+        context = browser.new_context(ignore_https_errors=True)
+        context.add_init_script(SELDOM_DRAWN)
+        yield context
         browser.close()
 
 
@@ -69,12 +73,12 @@ def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
+def open_explorer(context: BrowserContext, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
     """Opens new pages that begin with a state, by default at the end of a registration and not playing."""
     opened: list[Explorer] = []
 
     def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
-        opened.append(new_explorer(app_for(state), browser, size))
+        opened.append(new_explorer(app_for(state), context, size))
         return opened[-1].open() if wait else opened[-1]
 
     yield open_page
@@ -84,26 +88,23 @@ def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator
     assert errors == []
 
 
-def new_explorer(app: App, browser: Browser, size: tuple[int, int]) -> Explorer:
-    return Explorer(app, new_page(browser, viewport=ViewportSize(width=size[0], height=size[1])))
+def new_explorer(app: App, context: BrowserContext, size: tuple[int, int]) -> Explorer:
+    return Explorer(app, new_page(context, size))
 
 
 @pytest.fixture(scope="session")
-def kept_pages() -> Iterator[list[Explorer]]:
-    """The page that tests use one after another, of an app of its own, while no test has it."""
-    pages: list[Explorer] = []
-    yield pages
-    for explorer in pages:
-        explorer.app.stop()
+def kept_pages() -> list[Explorer]:
+    """The page that tests use one after another, while no test has it."""
+    return []
 
 
 @pytest.fixture
-def explorer(browser: Browser, kept_pages: list[Explorer]) -> Iterator[Explorer]:
+def explorer(
+    context: BrowserContext, app_for: Callable[[State], App], kept_pages: list[Explorer]
+) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
-    if kept_pages:
-        kept = kept_pages.pop()  # a test that fails keeps it from the next
-    else:
-        kept = new_explorer(App(AT_THE_END, port=0), browser, SMALL).open()
+    # a test that fails keeps its page from the next
+    kept = kept_pages.pop() if kept_pages else new_explorer(app_for(AT_THE_END), context, SMALL).open()
     yield kept
     assert kept.errors == []
     kept.put_back(AT_THE_END)

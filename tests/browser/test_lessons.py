@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import get_args
 
-from explorer import Explorer, OpenExplorer
+from explorer import Explorer
 
 from ido_viz.core.state import State
 from ido_viz.teach.lessons import Tab, lesson
@@ -106,8 +106,7 @@ def test_nothing_plays_before_a_guess(explorer: Explorer):
     explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
 
 
-def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(open_explorer: OpenExplorer):
-    explorer = open_explorer()
+def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(explorer: Explorer):
     moved = [camera_turns(explorer)]
     explorer.choose("Lesson", lesson("maps").title)
     explorer.pause(500)

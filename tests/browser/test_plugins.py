@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from explorer import AT_THE_START, Explorer, new_page
-from playwright.sync_api import Browser, ViewportSize
+from playwright.sync_api import BrowserContext
 
 from ido import Cloud
 from ido.extensions import find_class
@@ -21,7 +21,6 @@ from ido_viz.core.state import State
 
 EXAMPLE = Path(__file__).parents[2] / "assets" / "examples" / "04_own_method.py"
 PERSONAL = "Point to plane"
-WINDOW = ViewportSize(width=1200, height=700)  # software rendering takes its time for each pixel
 
 
 class Broken:
@@ -43,11 +42,11 @@ def library() -> Library:
 
 
 @pytest.fixture
-def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], Explorer]]:
+def open_own(library: Library, context: BrowserContext) -> Iterator[Callable[[State], Explorer]]:
     opened: list[Explorer] = []
 
     def open_page(state: State) -> Explorer:
-        page = new_page(browser, viewport=WINDOW)
+        page = new_page(context)
         opened.append(Explorer(App(state, library=library, port=0), page))
         return opened[-1].open()
 

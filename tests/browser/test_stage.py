@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, independent_run
+from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, box_of, independent_run
 from scipy.spatial.transform import Rotation
 
 from ido.types import FloatArray
@@ -68,8 +68,8 @@ def drag(explorer: Explorer, start: tuple[float, float], by: tuple[float, float]
     mouse.up()
 
 
-def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenExplorer):
-    explorer = open_explorer(AT_THE_START)
+def test_a_scene_is_dragged_by_its_handle_and_brought_back(at_the_start: Explorer):
+    explorer = at_the_start
     before = explorer.state()
     at = handle(explorer, 0, ARROW)
     drag(explorer, at, (60.0, 0.0))
@@ -115,8 +115,8 @@ def test_undo_and_redo_by_their_buttons(explorer: Explorer):
     assert explorer.slider_value("Rotation") == value
 
 
-def test_another_scene_is_played_from_its_start(open_explorer: OpenExplorer):
-    explorer = open_explorer(replace(AT_THE_END, replay=True, speed=60))
+def test_another_scene_is_played_from_its_start(explorer: Explorer):
+    explorer.show(replace(AT_THE_END, replay=True, speed=60))
     explorer.drag("Rotation", 0.2)
     explorer.wait_until("how it will end", lambda: all("will end" in text for text in explorer.verdicts()))
     assert explorer.iteration() == 0
@@ -125,8 +125,8 @@ def test_another_scene_is_played_from_its_start(open_explorer: OpenExplorer):
     assert not any("will end" in text for text in explorer.verdicts())
 
 
-def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExplorer):
-    explorer = open_explorer(replace(AT_THE_START, speed=30))
+def test_nothing_moves_on_the_page_when_the_playing_ends(explorer: Explorer):
+    explorer.show(replace(AT_THE_START, speed=30))
     explorer.press("Play (P)")
     explorer.wait_until("some iterations", lambda: explorer.iteration() > 2)
     playing, places = explorer.is_playing(), explorer.page.evaluate(PLACES)

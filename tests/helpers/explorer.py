@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, FloatRect, Locator, Page, TimeoutError
+from playwright.sync_api import BrowserContext, FloatRect, Locator, Page, TimeoutError, ViewportSize
 
 from ido_viz.app import App
 from ido_viz.core.address import read_fragment
@@ -63,7 +63,6 @@ COUNT_DRAWN_PIXELS = """canvas => {
 READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
 )"""
-READ_FRAGMENT = """() => document.querySelector("[data-fragment]").dataset.fragment"""
 READ_OPEN_TABS = """() => [...document.querySelectorAll("[role=tab][aria-selected=true]")].map(
     tab => tab.textContent.trim()
 )"""
@@ -76,7 +75,7 @@ SELDOM_DRAWN = """for (const of of [WebGLRenderingContext, WebGL2RenderingContex
 const nextFrame = requestAnimationFrame;
 window.requestAnimationFrame = draw => setTimeout(() => nextFrame(draw), 40);
 window.cancelAnimationFrame = clearTimeout;"""
-"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test."""
+"""A page's 3D scene without its pixels, and seldom: drawn in software, it took most of the time of a browser test."""
 
 LOOK = """() => new Promise(seen => {
     window.lookedAt = true;
@@ -167,9 +166,13 @@ class Explorer:
         self.expect_numbers(state)
         self.wait_until("its state", lambda: self.state() == state)
 
+    def go_to(self, fragment: str) -> None:
+        """Lead the open page to another fragment, as one that is pasted into its address does."""
+        self.page.evaluate("fragment => location.hash = fragment", fragment)
+
     def wait_ready(self) -> Explorer:
         """Wait until the page shows a run."""
-        self.page.get_by_role("row", name="PointRMSE").wait_for()
+        self.page.locator("table.readout tr", has_text="PointRMSE").wait_for()
         return self
 
     def wait_until(self, what: str, condition: Callable[[], object]) -> None:
@@ -212,7 +215,7 @@ class Explorer:
 
     def state(self) -> State:
         """The state that the page tells its address; the Share box must have it, too."""
-        return decode(read_fragment(self.page.evaluate(READ_FRAGMENT)).code)
+        return decode(read_fragment(self.page.locator("[data-fragment]").get_attribute("data-fragment") or "").code)
 
     def expect_numbers(self, state: State) -> None:
         """Wait until the readout says what it must for a state."""
@@ -396,10 +399,10 @@ class Explorer:
         return self.heatmaps().evaluate_all("images => images.map(image => image.src)")
 
 
-def new_page(browser: Browser, **options: Any) -> Page:
-    """A new page of a browser, whose 3D scene is drawn for pictures alone."""
-    page = browser.new_page(**options)
-    page.add_init_script(SELDOM_DRAWN)
+def new_page(context: BrowserContext, size: tuple[int, int] = SMALL) -> Page:
+    """A new page of so many pixels."""
+    page = context.new_page()
+    page.set_viewport_size(ViewportSize(width=size[0], height=size[1]))
     return page
 
 
