@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import sqlite3
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 from numba import njit
+from numba.core.compiler_lock import global_compiler_lock
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 
@@ -27,6 +31,7 @@ def compiled(**options: Any) -> Callable[[Loop], Loop]:
             _tell()
         else:
             _forgive(dispatcher._cache)  # numba offers no other way to outlive what is on disk
+            _compile_once(dispatcher)
         return dispatcher
 
     return compile_loop
@@ -53,6 +58,39 @@ def _forgive(kept: Any) -> None:
             _tell()
 
     kept.load_overload, kept.save_overload = load_overload, save_overload
+
+
+def _compile_once(dispatcher: Any) -> None:
+    """Of several processes that need a loop at the same time, one compiles it and the others find it on disk."""
+    kept, compile_one = dispatcher._cache, dispatcher.compile
+    lock = Path(kept.cache_path) / f"{kept._impl.filename_base}.lock"
+
+    def compile_alone(signature: Any) -> Any:
+        with global_compiler_lock, _held(lock):  # in this order, for numba holds its own when a loop calls another
+            return compile_one(signature)
+
+    dispatcher.compile = compile_alone
+
+
+@contextmanager
+def _held(file: Path) -> Iterator[None]:
+    """Hold a lock that processes share; the system frees it when one dies. Go on where it cannot be had in a minute."""
+    try:
+        lock = sqlite3.connect(file, timeout=0.1, isolation_level=None)
+    except sqlite3.Error:  # no such file can be written
+        yield
+        return
+    with closing(lock):
+        for _ in range(600):  # a short wait at a time, which Ctrl-C ends
+            try:
+                lock.execute("BEGIN EXCLUSIVE")
+                break
+            except sqlite3.OperationalError as error:
+                if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
+                    break
+            except sqlite3.Error:  # damaged
+                break
+        yield
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 
 import pytest
@@ -13,9 +14,23 @@ SMALL_TRAINING = TrainingSettings(samples=600, maps=8)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let linear algebra use one thread in each of several workers: more would only wait for each other."""
+    """What workers inherit, which start later: linear algebra in one thread, for more would only wait for each other.
+
+    And modules that are compiled are kept, or all workers and the processes that tests start compile them anew.
+    """
     if config.getoption("numprocesses", None):
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the workers, which start later
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+def pytest_collection() -> None:
+    """No collector of garbage while thousands of tests are collected, of which none is: it takes a third of the time."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session")

@@ -50,12 +50,16 @@ def start_of(state: State, up: tuple[float, float, float], number: int) -> tuple
         up: of its shape.
         number: of the start.
     """
-    T_scene_model = np.eye(4)
-    turn = np.deg2rad(ANGLES[number // AXES]) * upright(up).inv().apply(axes()[number % AXES])
-    T_scene_model[:3, :3] = poses.exp(np.concatenate([np.zeros(3), turn]))[:3, :3]
+    return starts_of(state, up)[number]
+
+
+def starts_of(state: State, up: tuple[float, float, float]) -> list[tuple[float, ...]]:
+    """All of them, as by `start_of`."""
+    turns = np.deg2rad(ANGLES)[:, None, None] * upright(up).inv().apply(axes())
+    T_scene_model = poses.exp(np.concatenate([np.zeros((STARTS, 3)), turns.reshape(STARTS, 3)], axis=1))
     begun = start_pose(state.perturbation)
-    T_scene_model[:3, 3] = begun[:3, 3]
-    return tuple(np.round(poses.log(T_scene_model @ poses.invert(begun)), _DIGITS).tolist())
+    T_scene_model[:, :3, 3] = begun[:3, 3]
+    return [tuple(x) for x in np.round(poses.log(T_scene_model @ poses.invert(begun)), _DIGITS).tolist()]
 
 
 def turn_of(state: State, up: tuple[float, float, float]) -> DoubleArray:
@@ -149,9 +153,10 @@ class Basin:
     def _fill_one(self, state: State, name: str, accuracies: DoubleArray, report: Report) -> None:
         method = self._library.entry(state.shape, name).make(state.epsilon, state.max_iterations, report)
         subject = self._library.subject(state.shape)
+        starts = starts_of(state, subject.up)
         for number in np.random.default_rng(0).permutation(STARTS).tolist():  # so that all angles fill evenly
             if np.isnan(accuracies[number]):
-                scene = make_scene(subject, replace(state, start=start_of(state, subject.up, number)))
+                scene = make_scene(subject, replace(state, start=starts[number]))
                 with (
                     nullcontext() if name in subject.own else in_turn(SLOW, report)
                 ):  # other pages' work between starts

@@ -23,6 +23,20 @@ def double(number):
     return 2 * number
 """
 
+AT_ONCE = """
+import importlib.util, pathlib, sys, time, types
+place = importlib.util.find_spec("ido").submodule_search_locations
+sys.modules["ido"] = types.ModuleType("ido")  # without its __init__, which imports all the rest
+sys.modules["ido"].__path__ = place
+import loops
+print("ready", flush=True)
+while not pathlib.Path("go").exists():
+    time.sleep(0.001)
+assert loops.double(21) == 42
+print(sum(loops.double.stats.cache_misses.values()))
+"""
+"""A program that waits for a file before it needs the loop, and tells whether it compiled it."""
+
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -55,6 +69,20 @@ def test_a_damaged_loop_is_compiled_again_and_replaced(place: Path, kind: str):
     for file in damaged:
         file.write_bytes(file.read_bytes()[:50])
     assert [loaded(start(place)), loaded(start(place))] == [0, 1]
+
+
+def test_of_processes_that_need_a_loop_at_the_same_time_one_compiles_it(place: Path):
+    command = [sys.executable, "-c", AT_ONCE]
+    settings = {"NUMBA_CACHE_DIR": str(place), "PYTHONPATH": os.pathsep.join([str(place.parent), *sys.path])}
+    processes = [
+        subprocess.Popen(command, cwd=place.parent, env=os.environ | settings, stdout=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
+    for process in processes:
+        assert process.stdout and process.stdout.readline() == "ready\n"
+    (place.parent / "go").touch()
+    compiled = [int(process.communicate(timeout=60)[0]) for process in processes]
+    assert sorted(compiled) == [0, 1]
 
 
 def test_without_a_place_to_keep_loops_the_program_starts_and_says_so_once(tmp_path: Path):

@@ -15,7 +15,7 @@ from ido.baselines.baseline import Record
 from ido.methods import BASELINES
 from ido.perturbation import start_pose
 from ido.types import DoubleArray
-from ido_viz.core.basin import ANGLES, AXES, STARTS, Basin, axes, start_of, turn_of
+from ido_viz.core.basin import ANGLES, AXES, STARTS, Basin, axes, start_of, starts_of, turn_of
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.run import compute, make_scene, start_size
 from ido_viz.core.state import State, decode, encode
@@ -142,8 +142,10 @@ def test_every_start_fits_into_a_state():
     for seed in range(5):
         state = State(perturbation=Perturbation(rotation=175.0, translation=1.0, seed=seed))
         for up in UPS:
-            for number in range(STARTS):
-                assert replace(state, start=start_of(state, up, number)).start
+            starts = starts_of(state, up)
+            assert len(starts) == STARTS
+            for start in starts:
+                assert replace(state, start=start).start
 
 
 def test_what_is_known_is_not_of_a_shape_whose_maps_are_others_by_now(seen: Seen):
