@@ -61,7 +61,7 @@ CANDIDATES: dict[str, tuple[Baseline | Peer, ...]] = {
         if end <= start
     ),
     "Open3D RANSAC": tuple(RANSAC(voxel=v, normal_gain=gain) for v, gain in product(_VOXELS, (2.0, 3.0))),
-    "Open3D FGR": tuple(FGR(voxel=v, distance_gain=gain) for v, gain in product(_VOXELS, (0.5, 1.0))),
+    "Open3D FGR": tuple(FGR(voxel=v, normal_gain=gain) for v, gain in product(_VOXELS, (2.0, 3.0))),
     "small_gicp": (
         GICP(),
         GICP(cutoff=0.5),
