@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ido.arguments import SHIPPED_MAPS, maps_of, points_of
-from ido.clouds import Cloud, Frame, checked_points
+from ido.clouds import Cloud, CloudError, Frame, checked_points
 from ido.files import CloudFile, UsedPoints
 from ido.global_registration import Confidence, GlobalModel, GlobalRegistration, surface_of
 from ido.maps import Maps, MapsError
@@ -99,7 +99,10 @@ def register_globally(
     frame, model = target
     file, used = opened(cloud, drop_invalid=drop_invalid, whole=whole)
     points = frame.to_model_units(checked_points(used.points))
-    result = GlobalRegistration(model).run(points)
+    try:
+        result = GlobalRegistration(model).run(points)
+    except ValueError as error:  # too few points, or all in one place
+        raise CloudError(f"{Path(cloud).name}: {error}") from error
     confidence = Confidence.of(result)
     found = (*_of_size(points, model.sample), *confidence.reasons)
     return GlobalScan(

@@ -58,7 +58,12 @@ FROM_ANY_START: dict[str, GlobalSettings] = {
 MANY_STARTS: dict[str, str] = {f"{name}, many starts": name for name in ("DO", "Improved DO")}
 """Learned methods from many starts, and which one each is."""
 
-_TUNED_PEERS: tuple[Peer, ...] = (RANSAC(), FGR(), GICP(downsampling=0.15, cutoff=0.5), KISS())
+_TUNED_PEERS: tuple[Peer, ...] = (
+    RANSAC(),
+    FGR(voxel=0.1, normal_gain=3.0),
+    GICP(downsampling=0.07, cutoff=0.3),
+    KISS(voxel=0.1, normal_gain=4.0, feature_gain=8.0),
+)
 
 PEERS: dict[str, Peer] = {
     **{f"{peer.title}, default": peer for peer in (RANSAC(), FGR(), GICP(), KISS())},

@@ -19,7 +19,7 @@ from ido.files.saving import SUFFIXES
 from ido.global_scans import as_text as global_text
 from ido.global_scans import global_target, register_globally
 from ido.registration import EPSILON, MAX_ITERATIONS
-from ido.scan_folder import Row, ScanTask, missing, open_rows, register_all, scans_in
+from ido.scan_folder import FromAnyStart, Row, ScanTask, Walk, missing, open_rows, register_all, scans_in
 from ido.scans import ScanSettings, as_text, register_scan
 from ido.user_units import Start
 
@@ -64,9 +64,9 @@ def register_command(
     With --maps, of a cloud with more than 4000 points a random 4000 are registered, always the same ones. Meshes are
     sampled.
 
-    If the cloud is a folder, all files in it are registered. -o is then a file of JSON lines: a first one with the
-    settings, and one for each scan as soon as it is there, or with its error. Stop whenever you like: the same command
-    goes on from there. The exit code is 2 when a file could not be used.
+    If the cloud is a folder, all files in it are registered, with --maps or --global. -o is then a file of JSON lines:
+    a first one with the settings, and one for each scan as soon as it is there, or with its error. Stop whenever you
+    like: the same command goes on from there. The exit code is 2 when a file could not be used.
 
     Args:
         cloud: File, folder or shipped shape.
@@ -90,12 +90,11 @@ def register_command(
     if onto is not None and settings != ScanSettings(drop_invalid=drop_invalid):
         raise ValueError("--start, --epsilon and --max-iterations are for --maps; --global needs none of them")
     if Path(cloud).is_dir():
-        if maps is None:
-            raise ValueError(f"{cloud}: is a folder; --global registers one scan at a time")
         if output is None or moved is not None:
             raise ValueError(f"{cloud}: is a folder, so give -o FILE.jsonl for the poses, and no --moved")
         who = executor_of(workers, dask)
-        return _register_folder(Path(cloud), maps, histogram, settings, output, who, force=force, strict=strict)
+        way = Walk(maps, histogram, settings) if maps else FromAnyStart(onto or "", histogram, drop_invalid)
+        return _register_folder(Path(cloud), way, output, who, force=force, strict=strict)
     if workers is not None or dask is not None:
         raise ValueError("--workers and --dask are for a folder of scans")
     check_apart(
@@ -129,9 +128,7 @@ def register_command(
 
 def _register_folder(
     folder: Path,
-    maps: str,
-    histogram: str | None,
-    settings: ScanSettings,
+    way: Walk | FromAnyStart,
     output: Path,
     who: AbstractContextManager[tuple[Executor, int]],
     *,
@@ -139,14 +136,15 @@ def _register_folder(
     strict: bool,
 ) -> int | None:
     scans = scans_in(folder)
-    check_apart({"-o": output}, {"the maps file": place_of(maps), **{path.name: path for path in scans}})
+    own = {"the maps file": place_of(way.maps)} if isinstance(way, Walk) else {"the model": place_of(way.onto)}
+    check_apart({"-o": output}, {**own, **{path.name: path for path in scans}})
     check_output(output, ".jsonl", force=True)
-    maps_of(maps, histogram)  # refused here, not by every worker
+    way.prepare()  # refused here, not by every worker
     if force:
         output.unlink(missing_ok=True)
     kept = f"what is done is kept in {output}; the same command goes on from there"
-    with open_rows(output, maps, settings) as rows:
-        tasks = [ScanTask(str(path), maps, histogram, settings) for path in missing(scans, rows.found)]
+    with open_rows(output, way) as rows:
+        tasks = [ScanTask(str(path), way) for path in missing(scans, rows.found)]
         with who as (executor, in_flight), progress_bar("{task.completed} of {task.total} scans") as progress:
             task = progress.add_task("", total=len(scans), completed=len(scans) - len(tasks))
 
@@ -162,11 +160,10 @@ def _register_folder(
             except BrokenExecutor as error:
                 raise BrokenExecutor(f"{str(error).rstrip('.')}; {kept}") from error
         failed = [row for row in rows.found if "error" in row]
-        unsure = [row for row in rows.found if row not in failed and (row["warnings"] or not row["converged"])]
+        unsure = [(row["file"], why) for row in rows.found if row not in failed and (why := way.doubts(row))]
     for row in failed:
         note(f"[bold red]error:[/] {escape(row['error'])}")
-    for row in unsure:
-        reasons = "; ".join(row["warnings"]) or f"it did not converge ({row['stop']})"
-        note(f"[bold yellow]warning:[/] {escape(row['file'])}: {escape(reasons)}")
+    for file, why in unsure:
+        note(f"[bold yellow]warning:[/] {escape(file)}: {escape('; '.join(why))}")
     note(f"{len(rows.found)} scans, {len(failed)} of them not usable, {len(unsure)} doubtful: {escape(str(output))}")
     return 2 if failed else 3 if strict and unsure else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -27,7 +27,7 @@ class Results:
     Args:
         dataset: name of the shape, ``bunny`` or ``urban``; str.
         method: name of the method, one of `ido.methods`; str.
-        sweep: which perturbation was varied, one of `LEVELS`; str.
+        sweep: which perturbation was varied, one of `LEVELS`, or the kind of a scene beyond; str.
         level: its value; float64.
         trial: number of the scene at its level, from 0; int64.
         seed: of the scene's perturbation; int64.
@@ -35,7 +35,7 @@ class Results:
         rmse: PointRMSE, model units; float64.
         rotation: rotation error, degrees; float64.
         translation: translation error, model units; float64.
-        seconds: wall time of the registration; float64.
+        seconds: CPU time of the registration; float64.
         iterations: int64.
         stop: why it ended, a `StopReason`; str.
         probability: that its pose is right, from what the method knew; NaN where it gives none; float64.
@@ -65,6 +65,22 @@ class Results:
         for name, value in equal.items():
             chosen &= getattr(self, name) == value
         return Results(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+    def among(self, **values: Collection[str]) -> Results:
+        """The entries whose columns have one of these values each."""
+        chosen = np.ones(len(self), dtype=bool)
+        for name, its in values.items():
+            chosen &= np.isin(getattr(self, name), list(its))
+        return Results(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+    @classmethod
+    def merged(cls, parts: Sequence[Results]) -> Results:
+        """All registrations of several results, ordered as they are named; of one that several have, the first's."""
+        columns = [np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)]
+        keys = list(zip(*(column.tolist() for column in columns[:5]), strict=True))
+        first = {key: i for i, key in reversed(list(enumerate(keys)))}
+        order = [first[key] for key in sorted(first)]
+        return cls(*(column[order] for column in columns))
 
     def save(self, path: str | Path) -> None:
         """Write a compressed .npz, whole or not at all; scores and times are rounded to float32."""

@@ -17,13 +17,14 @@ from ido.arguments import maps_of, place_of
 from ido.clouds import CloudError
 from ido.experiments.workers import share_out
 from ido.files import READERS
+from ido.global_scans import SURE, global_target, register_globally
+from ido.global_scans import as_json as global_json
 from ido.scans import ScanSettings, as_json, register_scan
 
 FORMAT = "ido-poses-1"
 
 Row = dict[str, Any]
 """What was found of a scan: its file, its size and time, and what `as_json` has of it, or the error."""
-
 
 _REMEDY = "name another file, or replace it with --force"
 
@@ -33,13 +34,67 @@ class RowsError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
+class Walk:
+    """Registration by maps: their file or shipped name, and how."""
+
+    maps: str
+    histogram: str | None
+    settings: ScanSettings
+
+    @property
+    def head(self) -> Row:
+        """What decides the rows, plain values."""
+        return {"maps": _fingerprint(self.maps), **asdict(self.settings)}
+
+    def prepare(self) -> None:
+        """Read the maps; raises what is wrong with them."""
+        _maps(self.maps, self.histogram)
+
+    def row(self, file: str) -> Row:
+        """What is found of a scan."""
+        return as_json(register_scan(_maps(self.maps, self.histogram), file, self.settings))
+
+    @staticmethod
+    def doubts(row: Row) -> list[str]:
+        """Why a row's pose may be wrong."""
+        return row["warnings"] or ([] if row["converged"] else [f"it did not converge ({row['stop']})"])
+
+
+@dataclass(frozen=True, slots=True)
+class FromAnyStart:
+    """Registration from any start: the file or shipped name of a cloud or maps, and how."""
+
+    onto: str
+    histogram: str | None
+    drop_invalid: bool
+
+    @property
+    def head(self) -> Row:
+        """What decides the rows, plain values."""
+        return {"global": _fingerprint(self.onto), "drop_invalid": self.drop_invalid}
+
+    def prepare(self) -> None:
+        """Read the model and make its fields; raises what is wrong with it."""
+        _target(self.onto, self.histogram)
+
+    def row(self, file: str) -> Row:
+        """What is found of a scan."""
+        target = _target(self.onto, self.histogram)
+        return global_json(register_globally(target, file, drop_invalid=self.drop_invalid))
+
+    @staticmethod
+    def doubts(row: Row) -> list[str]:
+        """Why a row's pose may be wrong."""
+        chance = row["confidence"]["probability"]
+        return row["warnings"] or ([] if chance >= SURE else [f"it is only {chance:.0%} probable"])
+
+
+@dataclass(frozen=True, slots=True)
 class ScanTask:
     """A scan to register; what a worker gets."""
 
     file: str
-    maps: str
-    histogram: str | None
-    settings: ScanSettings
+    way: Walk | FromAnyStart
 
 
 def scans_in(folder: Path) -> list[Path]:
@@ -62,7 +117,7 @@ def register_file(task: ScanTask) -> Row:
     """The row of a scan; a file that cannot be used has the error in it."""
     row = _named(Path(task.file))
     try:
-        return row | as_json(register_scan(_maps(task.maps, task.histogram), task.file, task.settings))
+        return row | task.way.row(task.file)
     except CloudError as error:
         return row | {"error": str(error)}
 
@@ -70,6 +125,16 @@ def register_file(task: ScanTask) -> Row:
 @cache
 def _maps(maps: str, histogram: str | None) -> Any:
     return maps_of(maps, histogram)
+
+
+@cache
+def _target(onto: str, histogram: str | None) -> Any:
+    return global_target(onto, histogram)
+
+
+def _fingerprint(name: str) -> str:
+    """Of the file of a cloud or maps."""
+    return hashlib.sha256(place_of(name).read_bytes()).hexdigest()[:16]
 
 
 def _named(path: Path) -> Row:
@@ -86,21 +151,19 @@ class Rows:
 
 
 @contextmanager
-def open_rows(path: Path, maps: str, settings: ScanSettings) -> Iterator[Rows]:
+def open_rows(path: Path, way: Walk | FromAnyStart) -> Iterator[Rows]:
     """A file of rows to go on with, or a new one: JSON lines, of which the first says how the scans are registered.
 
     A last line that was cut off by a kill is taken away.
 
     Args:
         path: the file.
-        maps: the maps' file or shipped name.
-        settings: how scans are registered.
+        way: how scans are registered.
 
     Raises:
-        RowsError: it is no such file, or its rows come from other maps or settings.
+        RowsError: it is no such file, or its rows come from another model, other maps or settings.
     """
-    fingerprint = hashlib.sha256(place_of(maps).read_bytes()).hexdigest()[:16]
-    head = {"format": FORMAT, "maps": fingerprint, **asdict(settings)}
+    head = {"format": FORMAT, **way.head}
     found: list[Row] = []
     if path.exists() and path.stat().st_size:
         content = path.read_bytes()
@@ -108,7 +171,7 @@ def open_rows(path: Path, maps: str, settings: ScanSettings) -> Iterator[Rows]:
         first, *found = _parsed(path, whole)
         if first != head:
             raise RowsError(
-                f"{path}: was made with other maps or settings; name another file, or replace it with --force"
+                f"{path}: was made with {'other maps' if 'maps' in head else 'another model'} or settings; {_REMEDY}"
             )
     else:
         whole = b""

@@ -20,6 +20,7 @@ from scipy.special import sph_harm_y
 
 from ido import Cloud, GlobalModel, GlobalRegistration, Perturbation, perturb, score, shipped_cloud
 from ido.disk import write_whole
+from ido.experiments.reliability import DOUBTED, RIGHT, SURE, Reliability
 from ido.global_registration import Evidence
 from ido.global_registration.confidence import features, probability
 from ido.types import DoubleArray, FloatArray
@@ -28,7 +29,6 @@ SHAPES_A_FAMILY, SCENES = 4, 24
 POINTS = 20_000
 SEED = 40_000_000
 RIDGE = 1.0
-BINS = np.linspace(0, 1, 11)
 
 Make = Callable[[np.random.Generator], DoubleArray]
 
@@ -190,7 +190,7 @@ def examples(shapes: list[tuple[str, Cloud]], seed: int) -> tuple[list[Evidence]
                 found = perturb(other if strange == 1 else cloud, replace(its, noise=0.02) if strange == 1 else its)
                 points = found.points
             result = registration.run(points)
-            is_right = strange > 1 and found is not None and score(found, result.T_model_scene).accuracy >= 0.9
+            is_right = strange > 1 and found is not None and score(found, result.T_model_scene).accuracy >= RIGHT
             values.append(result.evidence)
             right.append(is_right)
         print(f"{name}: {np.mean(right[-SCENES:]):.0%} right", file=sys.stderr, flush=True)
@@ -215,13 +215,12 @@ def fitted(evidence: list[Evidence], right: np.ndarray) -> dict[str, float]:
 
 def told(name: str, chance: DoubleArray, right: np.ndarray) -> str:
     """What a calibration is worth: expected calibration error, and how often sure answers and failures are told."""
-    place = np.clip(np.digitize(chance, BINS) - 1, 0, 9)
-    error = sum(abs(chance[place == k].mean() - right[place == k].mean()) * (place == k).mean() for k in set(place))
-    sure = chance >= 0.95
+    its = Reliability.of(chance, right)
+    (sure, sure_right), (wrong, doubted) = its.sure, its.failures
     return (
-        f"{name}: {len(right)} scenes, {right.mean():.3f} right, expected calibration error {error:.3f}; p >= 0.95: "
-        f"{right[sure].mean() if sure.any() else np.nan:.3f} right of {sure.mean():.2f}; failures below 0.5: "
-        f"{(chance[~right] < 0.5).mean() if (~right).any() else np.nan:.3f}"
+        f"{name}: {its.total} scenes, {its.share_right:.3f} right, expected calibration error {its.error:.3f}; "
+        f"p >= {SURE}: {sure_right / sure if sure else np.nan:.3f} right of {sure / its.total:.2f}; "
+        f"failures below {DOUBTED}: {doubted / wrong if wrong else np.nan:.3f}"
     )
 
 

@@ -17,10 +17,12 @@ import numpy as np
 from ido import HISTOGRAMS, RANGES, SHAPES, Histogram, Perturbation, shipped_maps, shipped_results
 from ido.blocks import Block
 from ido.experiments import LEVELS, Results
+from ido.experiments.beyond import BEYOND
 from ido.experiments.estimates import Costs, Estimate, estimate, sweep_estimate
-from ido.experiments.families import BASELINE_FAMILIES, FAMILIES, NOTHING, Family
+from ido.experiments.families import BASELINE_FAMILIES, FAMILIES, NOTHING, PEER_FAMILIES, Family
 from ido.experiments.paper import PAPER_TABLES, ROW_NAMES, SCORE_TITLES
-from ido.methods import BASELINES, LEARNED, method_names
+from ido.experiments.report_tables import reliabilities
+from ido.methods import BASELINES, FROM_ANY_START, LEARNED, MANY_STARTS, PEERS, method_names
 from ido.shipped import shipped_histograms
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -109,9 +111,14 @@ def _plain(value: object) -> str:
 # the results
 
 
+def _of_the_paper() -> Results:
+    """The results of the methods that walk from where the scene lies, in the paper's sweeps."""
+    return shipped_results().among(sweep=LEVELS, method={name for shape in SHAPES for name in method_names(shape)})
+
+
 def extent() -> str:
     """How many registrations there are, and how sure their means."""
-    results = shipped_results()
+    results = _of_the_paper()
     halves = {
         (shape, method): max(
             _sweeps(results.where(dataset=shape, method=method), "accuracy"), key=lambda e: e.half
@@ -142,7 +149,7 @@ def levels() -> str:
 
 def summary() -> str:
     """The mean PointAcc over all sweeps, and the time of one registration."""
-    results = shipped_results()
+    results = _of_the_paper()
     rows = []
     for family in FAMILIES:
         tuned = family in BASELINE_FAMILIES
@@ -168,7 +175,7 @@ def scores(shape: str, score: str) -> Callable[[], str]:
     """Makes the table of one score of each sweep on one shape, with the paper's figures in brackets."""
 
     def make() -> str:
-        results = shipped_results().where(dataset=shape)
+        results = _of_the_paper().where(dataset=shape)
         printed = next(t for t in PAPER_TABLES if (t.dataset, t.score) == (shape, score)).values
         rows = []
         for family in FAMILIES:
@@ -215,6 +222,62 @@ def paired(results: Results, method: str, other: str) -> dict[str, Estimate]:
     return found
 
 
+def from_any_start(sweeps: Iterable[str]) -> Callable[[], str]:
+    """Makes the table of the methods from any start, the polished ones and the peers, with DO and ICP to compare."""
+
+    def make() -> str:
+        results = shipped_results().among(sweep=list(sweeps))
+        rows = []
+        for shape in SHAPES:
+            for method in GLOBAL_ROWS:
+                run = results.where(dataset=shape, method=method)
+                found = [sweep_estimate(run, sweep, "accuracy") for sweep in sweeps]
+                if not len(run):
+                    continue
+                counts = sorted({count for each in found for count in each.scenes})
+                scenes = " to ".join(f"{count}" for count in (counts[0], *counts[1:][-1:]))
+                cells = (f"{each.mean:.3f} ± {each.half:.3f}" if each.status == "run" else "" for each in found)
+                rows.append((shape, method, scenes, *cells, f"{Costs.of(run).seconds * 1e3:.0f} ms"))
+        return table(("cloud", "method", "scenes", *sweeps, "CPU time"), rows)
+
+    return make
+
+
+GLOBAL_ROWS = (
+    *("DO", "DO, polished", "Improved DO", "Improved DO, polished", "ICP, tuned", "ICP, tuned, polished"),
+    *FROM_ANY_START,
+    *MANY_STARTS,
+    *(f"{family.title}, {setting}" for family in PEER_FAMILIES for setting in ("default", "tuned")),
+)
+"""The methods of the tables of global.md."""
+
+
+def reliability() -> str:
+    """How well the probabilities agree with what was right."""
+    rows = []
+    for method, its in reliabilities(shipped_results()).items():
+        (sure, sure_right), (wrong, doubted) = its.sure, its.failures
+        rows.append(
+            (
+                *(method, f"{its.total:,}", f"{its.share_right:.3f}", f"{its.error:.3f}"),
+                *(f"{sure_right} of {sure}", f"{doubted} of {wrong}"),
+            )
+        )
+    return table(("method", "poses", "right", "ECE", "right, of p ≥ 0.95", "p < 0.5, of wrong ones"), rows)
+
+
+def peer_settings() -> str:
+    """All settings of the peers."""
+    rows = []
+    for family in PEER_FAMILIES:
+        default, tuned = (PEERS[f"{family.title}, {setting}"].settings for setting in ("default", "tuned"))
+        rows += [
+            (family.title, f"`{name}`", str(value), str(tuned[name]) if tuned[name] != value else "the same")
+            for name, value in default.items()
+        ]
+    return table(("method", "setting", "default", "tuned"), rows)
+
+
 def _run_on(results: Results, shape: str) -> list[str]:
     here = set(results.where(dataset=shape).method.tolist())
     return [method for method in method_names(shape) if method in here]
@@ -254,6 +317,10 @@ PARTS: dict[str, Callable[[], str]] = {
     "summary": summary,
     **{f"{shape}-{score}": scores(shape, score) for shape in SHAPES for score in SCORE_TITLES},
     "pairs": pairs,
+    "global-sweeps": from_any_start(LEVELS),
+    "global-beyond": from_any_start(BEYOND),
+    "reliability": reliability,
+    "peer-settings": peer_settings,
 }
 """What makes each part, by its name."""
 

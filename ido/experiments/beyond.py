@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from ido.experiments.sweeps import LEVELS
 from ido.perturbation import OUTLIER_REACH, Scene
 from ido.poses import invert, transform
 from ido.shipped import SHAPES, shipped_cloud
@@ -76,6 +77,9 @@ BEYOND: dict[str, Kind] = {
 }
 """The kinds. A level is the share that is missing (holes), the points of the other shape as multiple of the true ones
 (clutter), or how many times denser one end is (density)."""
+
+ALL_LEVELS: dict[str, tuple[float, ...]] = {**LEVELS, **{kind: tuple(its.levels) for kind, its in BEYOND.items()}}
+"""Levels of the paper's sweeps, and of the kinds."""
 
 
 def beyond_seed(kind: str, level: float, trial: int, scenes: int, seed: int) -> int:

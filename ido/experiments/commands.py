@@ -16,8 +16,8 @@ from tyro.conf import Positional, arg
 from tyro.extras import SubcommandApp
 
 from ido.console import note, progress_bar
-from ido.experiments.beyond import BEYOND
-from ido.experiments.execution import ALL_LEVELS, FAILED, MOST_SCENES, Experiment, run
+from ido.experiments.beyond import ALL_LEVELS, BEYOND
+from ido.experiments.execution import FAILED, MOST_SCENES, Experiment, run
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.report import report_command
 from ido.experiments.store import Row, Store

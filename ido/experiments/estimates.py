@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ido.experiments.sweeps import LEVELS
+from ido.experiments.beyond import ALL_LEVELS
 from ido.results import Results
 from ido.types import FloatArray
 
@@ -78,7 +78,7 @@ def level_estimates(of_method: Results, sweep: str, score: str) -> list[Estimate
 
 def _level_scores(of_method: Results, sweep: str, score: str) -> list[FloatArray]:
     of_sweep = of_method.where(sweep=sweep)
-    return [getattr(of_sweep.where(level=level), score) for level in LEVELS[sweep]]
+    return [getattr(of_sweep.where(level=level), score) for level in ALL_LEVELS[sweep]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ class Costs:
 
     Args:
         registrations: how many there were.
-        seconds: the median wall time of one; NaN if there is none.
+        seconds: the median CPU time of one; NaN if there is none.
         iterations: the median number of iterations of one; NaN if there is none.
     """
 

@@ -15,7 +15,7 @@ from itertools import groupby
 
 import numpy as np
 
-from ido.experiments.beyond import BEYOND, beyond_scene, beyond_seed
+from ido.experiments.beyond import ALL_LEVELS, BEYOND, beyond_scene, beyond_seed
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.store import Key, Row, Settings
 from ido.experiments.sweeps import LEVELS, level_scene
@@ -34,9 +34,6 @@ SEED = 1_000_000
 
 FAILED = "failed"
 """Stop reason of a registration that raised an error."""
-
-ALL_LEVELS: dict[str, tuple[float, ...]] = {**LEVELS, **{kind: tuple(its.levels) for kind, its in BEYOND.items()}}
-"""Levels of the paper's sweeps, and of the kinds of scenes beyond them."""
 
 _TRIALS = 10  # of a chunk: seconds of work, and no more is lost by a kill
 _one_at_a_time = threading.Lock()

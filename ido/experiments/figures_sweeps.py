@@ -54,7 +54,7 @@ def settings_figure(results: Results, dataset: str, score: str) -> Figure:
     """The first two variants of each method that has more than one, side by side over the six sweeps of a dataset."""
     of_dataset = results.where(dataset=dataset)
     families = [family for family in FAMILIES if len(family.variants) > 1]
-    figure, axes = grid_of_axes(len(families), len(LEVELS), 12.5)
+    figure, axes = grid_of_axes(len(families), len(LEVELS), 1.56 * len(families))
     nothing, do = (of_dataset.where(method=family.main) for family in (NOTHING, LEARNED_FAMILIES[0]))
     for row, family in zip(axes, families, strict=True):
         runs = [(name, of_dataset.where(method=method)) for name, method in family.variants[:2]]

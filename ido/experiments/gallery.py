@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
 from ido.experiments.figures_learning import COMPARED, maps_figure, training_figure
+from ido.experiments.figures_reliability import reliability_figure
 from ido.experiments.figures_steps import clouds_figure, histograms_figure
 from ido.experiments.figures_sweeps import settings_figure, sweeps_figure
 from ido.experiments.paper import SCORE_TITLES
+from ido.experiments.reliability import Reliability
 from ido.methods import LEARNED
 from ido.perturbation import Perturbation, perturb
 from ido.results import Results
@@ -55,6 +57,17 @@ def sweep_figures(results: Results, dataset: str) -> Iterator[NamedFigure]:
             "formula to the letter.",
             settings_figure(results, dataset, score),
         )
+
+
+def sure_figures(found: Mapping[str, Reliability]) -> Iterator[NamedFigure]:
+    """How well the probabilities that methods give agree with what was right."""
+    yield NamedFigure(
+        "reliability",
+        "Reliability diagram",
+        "Above: the share of right poses against the probability told, in ten bins, with 95% intervals; on the dashed "
+        "line the two agree. Below: the poses in each bin. Both clouds, the paper's sweeps and the scenes beyond.",
+        reliability_figure(found),
+    )
 
 
 def method_figures(shape: str = "bunny") -> Iterator[NamedFigure]:

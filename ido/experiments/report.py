@@ -12,14 +12,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ido.disk import write_whole
+from ido.experiments.beyond import BEYOND
+from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.paper import PAPER_SCENES, PAPER_TABLES, PaperTable
 from ido.experiments.report_page import Section, figure_html, page
 from ido.experiments.report_tables import (
     Row,
+    beyond_table,
     costs_table,
     level_rows,
     levels_table,
     methods_of,
+    reliabilities,
+    reliability_rows,
+    reliability_table,
     scenes_table,
     score_rows,
     score_table,
@@ -81,7 +87,13 @@ def write_report(results: Results, folder: Path, settings: Settings) -> Path:
         write_whole(folder / "tables" / f"{name}.csv", content.getvalue().encode())
     path = folder / "report.html"
     figures = _Figures(folder / "figures")
-    sections = [*_results_sections(results, figures), *_method_sections(figures), *_run_sections(results, settings)]
+    sections = [
+        *_results_sections(results, figures),
+        *_beyond_sections(results),
+        *_sure_sections(results, figures),
+        *_method_sections(figures),
+        *_run_sections(results, settings),
+    ]
     write_whole(path, page("Registration with DO and Improved DO: results", _lead(results), sections).encode())
     return path
 
@@ -109,6 +121,7 @@ def _csv_tables(results: Results, settings: Settings) -> Iterator[tuple[str, Ite
     for table in PAPER_TABLES:
         yield f"{table.dataset}-{table.score}", score_rows(results, table)
     yield "levels", level_rows(results)
+    yield "reliability", reliability_rows(reliabilities(results))
     yield "settings", settings_rows(settings)
 
 
@@ -126,9 +139,10 @@ def _lead(results: Results) -> str:
 
 
 def _scenes_sentence(results: Results) -> str:
-    """Plainly, how many scenes there are at a level, and how much was not run."""
+    """Plainly, how many scenes there are at a level of the paper's sweeps, and how much was not run."""
     if not len(results):
         return "Nothing was run yet."
+    results = results.among(sweep=LEVELS, method=COMPARED_METHODS)
     keys = np.stack([results.dataset, results.method, results.sweep, results.level.astype(str)])
     counts = np.unique(keys, axis=1, return_counts=True)[1]
     fewest, most = int(counts.min()), int(counts.max())
@@ -158,6 +172,34 @@ def _results_sections(results: Results, figures: _Figures) -> Iterator[Section]:
         else:
             body += "<p>The sweeps of this cloud were not run.</p>"
         yield shape.title, body
+
+
+def _beyond_sections(results: Results) -> Iterator[Section]:
+    beyond = results.among(sweep=BEYOND)
+    if not len(beyond):
+        return
+    tables = "".join(f"<h3>{shape.title}</h3>{beyond_table(results, name)}" for name, shape in SHAPES.items())
+    yield (
+        "Scenes beyond the paper's",
+        "<p>Mean PointAcc on scenes that no method was made for, each turned and shifted at random: a single view that "
+        "hides what lies behind, ball-shaped holes, clutter of the other shape, and density that changes over the "
+        f"cloud. Bold: the best mean.</p>{tables}",
+    )
+
+
+def _sure_sections(results: Results, figures: _Figures) -> Iterator[Section]:
+    from ido.experiments.gallery import sure_figures
+
+    found = reliabilities(results)
+    if not found:
+        return
+    yield (
+        "How sure",
+        "<p>Some methods say how probable it is that their pose is right (PointAcc of at least 0.9), without knowing "
+        "the truth. ECE, the expected calibration error, is the mean distance between what was told and the share that "
+        f"was right, over ten bins.</p>{reliability_table(found)}"
+        '<p class="note"><small>tables/reliability.csv</small></p>' + figures.html(sure_figures(found)),
+    )
 
 
 def _score_html(results: Results, table: PaperTable) -> str:
@@ -199,7 +241,7 @@ def _run_sections(results: Results, settings: Settings) -> Iterator[Section]:
     costs = "".join(f"<h3>{shape.title}</h3>{costs_table(results, name)}" for name, shape in SHAPES.items())
     yield (
         "Times and endings",
-        "<p>Wall times of single registrations on the machine that ran them: compare them with each other, not with "
+        "<p>CPU times of single registrations on the machine that ran them: compare them with each other, not with "
         "other machines. Medians are over all registrations of a method, whatever sweep they belong to. One that "
         f"failed found no pose: its PointAcc is 0, it has no PointRMSE, and it is left out of the medians.</p>{costs}",
     )

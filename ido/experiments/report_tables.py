@@ -8,9 +8,11 @@ from html import escape
 
 import numpy as np
 
+from ido.experiments.beyond import ALL_LEVELS, BEYOND
 from ido.experiments.estimates import Costs, Estimate, level_estimates, sweep_estimate
 from ido.experiments.families import COMPARED_METHODS, FAMILIES, Family
 from ido.experiments.paper import ROW_NAMES, SCORE_TITLES, PaperTable
+from ido.experiments.reliability import EDGES, Reliability
 from ido.experiments.sweeps import LEVELS
 from ido.methods import compared
 from ido.perturbation import RANGES, Perturbation
@@ -119,7 +121,7 @@ def level_rows(results: Results) -> Iterator[Row]:
         of_dataset = results.where(dataset=dataset)
         for method in COMPARED_METHODS:
             run = of_dataset.where(method=method)
-            for sweep, levels in LEVELS.items():
+            for sweep, levels in ALL_LEVELS.items():
                 by_score = [level_estimates(run, sweep, score) for score in SCORE_TITLES]
                 for level, *found in zip(levels, *by_score, strict=True):
                     here = run.where(sweep=sweep, level=level)
@@ -180,6 +182,56 @@ def levels_table(results: Results) -> str:
         cells = (RANGES[sweep].unit, levels, f"{getattr(Perturbation(), sweep):g}", used)
         rows.append(_row(name, "".join(f'<td class="text">{escape(cell)}</td>' for cell in cells)))
     return _table(["Sweep", "Unit", "Levels", "Default in the other sweeps", "Seeds"], [rows], "text")
+
+
+def beyond_table(results: Results, dataset: str) -> str:
+    """The mean PointAcc of each method that was run on scenes beyond the paper's, polished ones too."""
+    of_dataset = results.where(dataset=dataset)
+    runs = [of_dataset.where(method=method) for method in sorted(set(of_dataset.method.tolist()))]
+    runs = [run for run in runs if np.isin(run.sweep, list(BEYOND)).any()]
+    found = [{kind: sweep_estimate(run, kind, "accuracy") for kind in BEYOND} for run in runs]
+    means = {kind: [round(of_run[kind].mean, 3) for of_run in found] for kind in BEYOND}
+    rows = [
+        _row(
+            str(run.method[0]),
+            "".join(_cell(of_run[kind], np.nanmax([*means[kind], -1.0])) for kind in BEYOND)
+            + f"<td>{time_text(Costs.of(run.among(sweep=BEYOND)).seconds) or '–'}</td>",
+        )
+        for run, of_run in zip(runs, found, strict=True)
+    ]
+    return _table(["Method", *BEYOND, "Time"], [rows], "scores")
+
+
+def reliabilities(results: Results) -> dict[str, Reliability]:
+    """Of each method that gave probabilities, in the order of the report."""
+    found = {method: Reliability.of_results(results.where(method=method)) for method in COMPARED_METHODS}
+    return {method: its for method, its in found.items() if its}
+
+
+def reliability_table(found: Mapping[str, Reliability]) -> str:
+    """How many poses were right, and how well the probabilities told which."""
+    head = ("Method", "Poses", "Right", "ECE", "p ≥ 0.95", "of these right", "Wrong", "of these p < 0.5")
+    rows = []
+    for method, its in found.items():
+        (sure, sure_right), (wrong, doubted) = its.sure, its.failures
+        cells = (
+            *(f"{its.total:,}", f"{its.share_right:.1%}", f"{its.error:.3f}"),
+            *(f"{sure:,}", _share_text(sure_right, sure), f"{wrong:,}", _share_text(doubted, wrong)),
+        )
+        rows.append(_row(method, "".join(f"<td>{cell}</td>" for cell in cells)))
+    return _table(head, [rows])
+
+
+def reliability_rows(found: Mapping[str, Reliability]) -> Iterator[Row]:
+    """The bins of the reliability diagram, one row for each method and bin."""
+    yield ("method", "from", "to", "poses", "mean_probability", "share_right")
+    for method, its in found.items():
+        for low, high, *values in zip(EDGES[:-1], EDGES[1:], its.counts, its.told, its.right, strict=True):
+            yield (method, round(low, 1), round(high, 1), *(_plain(float(value)) for value in values))
+
+
+def _share_text(part: int, whole: int) -> str:
+    return f"{part / whole:.1%}" if whole else "–"
 
 
 def settings_table(settings: Mapping[tuple[str, str], Mapping[str, object]]) -> str:

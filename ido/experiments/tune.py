@@ -61,15 +61,15 @@ CANDIDATES: dict[str, tuple[Baseline | Peer, ...]] = {
         if end <= start
     ),
     "Open3D RANSAC": tuple(RANSAC(voxel=v, normal_gain=gain) for v, gain in product(_VOXELS, (2.0, 3.0))),
-    "Open3D FGR": tuple(FGR(voxel=v, distance_gain=gain) for v, gain in product(_VOXELS, (0.5, 1.0))),
+    "Open3D FGR": tuple(FGR(voxel=v, normal_gain=gain) for v, gain in product(_VOXELS, (2.0, 3.0))),
     "small_gicp": (
         GICP(),
         GICP(cutoff=0.5),
         *(GICP(downsampling=side, cutoff=c) for side, c in product((0.03, 0.07, 0.15, 0.2), (0.5, 0.3, 0.2))),
     ),
     "KISS-Matcher": tuple(
-        KISS(voxel=v, noise_gain=gain, solver_gain=0.75 * gain)
-        for v, gain in product((0.07, 0.1, 0.125, 0.15, 0.2, 0.25, 0.3), (1.0, 2.0))
+        KISS(voxel=v, normal_gain=normal, feature_gain=feature)
+        for v, (normal, feature) in product((0.07, 0.1, 0.125, 0.15, 0.2, 0.25, 0.3), ((3.0, 5.0), (4.0, 8.0)))
     ),
 }
 """What is tried for each: settings for outliers, units and widths; as many for each peer as for ICP. All else stays as

@@ -52,12 +52,12 @@ class Choice:
 
 
 def rows_of(shape: str, sweep: str) -> tuple[Results, str]:
-    """The shipped results of a sweep, and why there are none."""
+    """The shipped results of a sweep, of the methods that were run on all scenes; and why there are none."""
     none = Results(*(np.zeros(0) for _ in fields(Results)))
     if shape not in SHAPES:
         return none, "There are results of the shipped shapes only."
     try:
-        return shipped_results().where(dataset=shape, sweep=sweep), ""
+        return shipped_results().where(dataset=shape, sweep=sweep).among(method=method_names(shape)), ""
     except ResultsError as error:  # the rest of the page does without them
         return none, f"The results cannot be read: {error}"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,7 @@ def results() -> Results:
         seconds=rng.uniform(size=n),
         iterations=rng.integers(0, 1000, n),
         stop=rng.choice(["converged", "failed"], n),
+        probability=np.where(rng.uniform(size=n) < 0.5, np.nan, rng.uniform(size=n)),
     )
 
 
@@ -49,6 +50,21 @@ def test_where_keeps_the_entries_with_these_values(results: Results) -> None:
     assert len(chosen) == ((results.dataset == "urban") & (results.level == 0.02)).sum() > 0
     assert set(chosen.dataset) == {"urban"}
     assert len(results.where(method="no such")) == 0
+
+
+def test_among_keeps_the_entries_with_one_of_these_values(results: Results) -> None:
+    chosen = results.among(sweep=["noise"], level=[0.0, 4000.0])
+    assert len(chosen) == ((results.sweep == "noise") & (results.level != 0.02)).sum() > 0
+
+
+def test_merged_results_have_each_registration_once_the_first_ones(results: Results) -> None:
+    keys = list(zip(results.dataset, results.method, results.sweep, results.level, results.trial, strict=True))
+    changed = replace(results, accuracy=results.accuracy + 1)
+    merged = Results.merged([results.where(dataset="bunny"), changed])
+    assert len(merged) == len(set(keys))
+    assert (merged.where(dataset="bunny").accuracy <= 1).all() and (merged.where(dataset="urban").accuracy >= 1).all()
+    ours = list(zip(merged.dataset, merged.method, merged.sweep, merged.level, merged.trial, strict=True))
+    assert ours == sorted(set(keys))
 
 
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 cut off", b"seed,score\n1,2\n"])

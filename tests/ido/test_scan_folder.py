@@ -141,6 +141,39 @@ def test_doubtful_scans_are_told_and_counted_when_strict(
     assert "3 scans, 0 of them not usable, 1 doubtful" in said
 
 
+def test_a_folder_from_any_start_has_the_rows_that_its_scans_have_alone_and_goes_on_after_a_stop(
+    folder: Path, bunny: Cloud, use: Callable[[Executor], None], capfd: pytest.CaptureFixture[str]
+):
+    far = perturb(bunny, Perturbation(seed=9, rotation=150, translation=1, incomplete=0.2))
+    save_cloud(folder / "a.ply", bunny.frame.to_user_units(far.points))
+    save_cloud(folder / "b.xyz", np.random.default_rng(0).uniform(-0.1, 0.1, (300, 3)))  # no bunny in it
+    save_cloud(folder / "c.ply", np.eye(3))
+    output = folder.parent / "poses.jsonl"
+    args = ["register", str(folder), "--global", "bunny", "-o", str(output)]
+    use(Here(1, interrupt))
+    assert cli.main(args) == 130
+    assert [row["file"] for row in rows(folder)] == ["a.ply"]
+    before = output.read_bytes()
+    capfd.readouterr()
+    use(Here())
+    assert cli.main([*args, "--strict"]) == 2
+    said = " ".join(capfd.readouterr().err.split())
+    assert output.read_bytes().startswith(before)
+    right, doubtful, unusable = rows(folder)
+    assert "c.ply: a cloud needs at least 10 points; this has 3" in unusable["error"] and unusable["error"] in said
+    assert "warning: b.xyz: " in said and "3 scans, 1 of them not usable, 1 doubtful" in said
+    assert doubtful["confidence"]["probability"] < 0.5 and right["confidence"]["probability"] > 0.95
+    T = bunny.frame.pose_in_user_units(far.T_model_scene)
+    np.testing.assert_allclose(right["T_model_scene"], T, atol=0.05)
+    assert cli.main(["register", str(folder / "a.ply"), "--global", "bunny"]) is None
+    alone = json.loads(capfd.readouterr().out)
+    assert {name: right[name] for name in alone} == alone
+    (folder / "c.ply").unlink()
+    assert cli.main([*args, "--strict", "--force"]) == 3
+    assert cli.main([*args[:3], "urban", *args[4:]]) == 2
+    assert "was made with another model" in capfd.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [

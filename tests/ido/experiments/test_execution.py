@@ -19,14 +19,14 @@ import numpy as np
 import psutil
 import pytest
 
-from ido import Perturbation, cli, perturb, score, shipped_cloud
+from ido import Confidence, Perturbation, cli, perturb, score, shipped_cloud
 from ido.experiments import LEVELS, level_scene, workers
 from ido.experiments import execution as engine
 from ido.experiments.execution import FAILED, Chunk, Experiment, run, run_chunk
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.store import Row, Store
 from ido.experiments.workers import local_executor
-from ido.methods import from_any_start, method_names, shipped_method
+from ido.methods import compared, shipped_method
 
 SMALL = ("--sweeps", "points", "--methods", "DO", "ICP, default", "--scenes", "3")
 EXPERIMENT = Experiment(sweeps=("points",), methods=("DO", "ICP, default"), scenes=3)
@@ -74,7 +74,7 @@ def ctrl_c() -> None:
 def test_the_whole_paper_is_planned_by_default():
     keys = Experiment().keys
     n_levels = sum(map(len, LEVELS.values()))
-    n_methods = sum(len(names(shape)) for shape in ("bunny", "urban") for names in (method_names, from_any_start))
+    n_methods = sum(len(compared(shape)) for shape in ("bunny", "urban"))
     assert len(keys) == len(set(keys)) == n_levels * 100 * n_methods
     chunks = Experiment().missing(())
     assert [key for c in chunks for key in keys_of(c)] == keys
@@ -120,8 +120,26 @@ def test_a_row_tells_what_registering_its_scene_gives(dataset: str, kind: Any):
     found = score(scene, track.T_model_scene[-1])
     assert row.seed == perturbation.seed == 1_040_107
     assert row[6:10] == (found.accuracy, found.rmse, found.rotation, found.translation)
-    assert row[11:] == (track.iterations, str(track.stop))
+    assert row[11:13] == (track.iterations, str(track.stop)) and np.isnan(row.probability)
     assert 0 < row.seconds < 5
+
+
+def test_a_method_that_says_how_sure_it_is_has_its_probability_recorded():
+    (row,) = run_chunk(Chunk("bunny", "Global", "noise", 0.0, (3,), 1_000_000))
+    scene = perturb(shipped_cloud("bunny"), level_scene(Perturbation(), "noise", 0, 3, 100, 1_000_000))
+    registration = shipped_method("bunny", "Global").registration
+    assert registration
+    result = registration.run(scene.points)
+    assert row.probability == pytest.approx(Confidence.of(result).probability)
+    assert row.accuracy == score(scene, result.T_model_scene).accuracy == 1.0
+    assert row.iterations == result.trajectory.iterations
+
+
+def work(seconds: float) -> None:
+    """Keep this process busy for so much of its time."""
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
 
 
 def test_seconds_are_those_of_the_registration_alone_and_without_the_first(monkeypatch: pytest.MonkeyPatch):
@@ -130,11 +148,11 @@ def test_seconds_are_those_of_the_registration_alone_and_without_the_first(monke
 
     def slow_at_first(points: Any) -> Any:
         calls.append(len(points))
-        time.sleep(0.4 if len(calls) == 1 else 0.02)
+        work(0.4 if len(calls) == 1 else 0.02)
         return real.register(points)
 
     def slow_scene(*args: Any) -> Any:
-        time.sleep(0.2)
+        work(0.2)
         return perturb(*args)
 
     monkeypatch.setattr(engine, "shipped_method", lambda *_: replace(real, register=slow_at_first))

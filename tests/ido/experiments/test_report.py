@@ -15,21 +15,32 @@ from matplotlib.lines import Line2D
 
 from ido.bin_order import bin_order
 from ido.experiments import LEVELS, Results, mean_and_interval
+from ido.experiments.beyond import ALL_LEVELS, BEYOND
 from ido.experiments.estimates import Costs, estimate, sweep_estimate
 from ido.experiments.families import COMPARED_METHODS, FAMILIES
 from ido.experiments.figures_learning import training_figure
+from ido.experiments.figures_reliability import reliability_figure
 from ido.experiments.figures_sweeps import sweeps_figure
 from ido.experiments.paper import PAPER_METHODS, PAPER_TABLES, ROW_NAMES, PaperTable
-from ido.experiments.report import report_command
+from ido.experiments.reliability import Reliability, wilson
+from ido.experiments.report import report_command, write_report
 from ido.experiments.report_page import figure_html, page
-from ido.experiments.report_tables import levels_table, score_table, settings_table, settings_text, time_text
+from ido.experiments.report_tables import (
+    beyond_table,
+    levels_table,
+    score_table,
+    settings_table,
+    settings_text,
+    time_text,
+)
 from ido.experiments.store import Row, Store
-from ido.methods import BASELINES, FROM_ANY_START, LEARNED, MANY_STARTS, from_any_start, method_names
+from ido.methods import BASELINES, FROM_ANY_START, LEARNED, MANY_STARTS, PEERS, compared
 from ido.shipped import shipped_maps, shipped_results
 
 SETTINGS = {("bunny", name): {"cutoff": 0.3, "fingerprint": "f00d"} for name in ("DO", "ICP, tuned", "Did nothing")}
 RUN = ("DO", "ICP, tuned", "Did nothing")
-RESULTS_TEXT = (Path(__file__).parents[3] / "assets" / "docs" / "results.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[3] / "assets" / "docs"
+RESULTS_TEXT, GLOBAL_TEXT = (DOCS.joinpath(f"{n}.md").read_text(encoding="utf-8") for n in ("results", "global"))
 MISSING_LEVELS = ("ICP, tuned", "rotation", 2)
 """A method, a sweep and how many of its levels were run."""
 
@@ -48,12 +59,12 @@ def results() -> Results:
                     failed = method == "ICP, tuned" and sweep == "noise" and trial == i == 1
                     scores = (0.0, np.nan) if failed else (rng.random(), 0.5 + rng.random())
                     row = ("bunny", method, sweep, level, trial, 1000 + trial, *scores, 5.0, 0.1)
-                    rows.append((*row, 0.25 + rng.random(), 40 + trial, "failed" if failed else "converged"))
+                    rows.append((*row, 0.25 + rng.random(), 40 + trial, "failed" if failed else "converged", np.nan))
     return results_of(rows)
 
 
 def results_of(rows: Sequence[tuple[object, ...]]) -> Results:
-    kinds = (str, str, str, float, np.int64, np.int64, *[float] * 5, np.int64, str)
+    kinds = (str, str, str, float, np.int64, np.int64, *[float] * 5, np.int64, str, float)
     columns = zip(*rows, strict=True) if rows else [()] * len(kinds)
     return Results(*(np.array(column, dtype=kind) for column, kind in zip(columns, kinds, strict=True)))
 
@@ -109,9 +120,9 @@ def test_the_papers_tables_hold_what_it_prints():
     ]
 
 
-def document_tables() -> dict[str, list[list[str]]]:
-    """All tables of the results document that the script writes, by name; the cells of each, the head first."""
-    parts = re.findall(r"<!-- begin (\S+) -->\n(.*?)\n<!-- end", RESULTS_TEXT, re.DOTALL)
+def document_tables(text: str = RESULTS_TEXT) -> dict[str, list[list[str]]]:
+    """All tables of a document that the script writes, by name; the cells of each, the head first."""
+    parts = re.findall(r"<!-- begin (\S+) -->\n(.*?)\n<!-- end", text, re.DOTALL)
     return {
         name: [[cell.strip() for cell in line[1:-1].split("|")] for line in part.splitlines() if "---" not in line]
         for name, part in parts
@@ -121,7 +132,7 @@ def document_tables() -> dict[str, list[list[str]]]:
 
 def mean_of_levels(results: Results, sweep: str, score: str) -> float:
     run = results.where(sweep=sweep)
-    return float(np.mean([np.nanmean(getattr(run, score)[run.level == level]) for level in LEVELS[sweep]]))
+    return float(np.mean([np.nanmean(getattr(run, score)[run.level == level]) for level in ALL_LEVELS[sweep]]))
 
 
 @pytest.mark.parametrize("printed", PAPER_TABLES, ids=lambda table: f"{table.dataset}-{table.score}")
@@ -160,9 +171,43 @@ def test_the_documents_summary_is_the_mean_over_the_sweeps():
                     assert abs(np.mean([mean_of_levels(run, s, "accuracy") for s in LEVELS]) - float(text)) < 0.00051
                     checked += 1
         if time:
-            seconds = results.where(dataset="bunny", method=names[1] or names[0]).seconds
+            seconds = results.where(dataset="bunny", method=names[1] or names[0]).among(sweep=LEVELS).seconds
             assert abs(float(np.median(seconds)) * 1e3 - float(time.removesuffix(" ms"))) <= 0.5
-    assert checked == len(set(zip(results.dataset.tolist(), results.method.tolist(), strict=True)))
+    known = results.among(method=[*LEARNED, *BASELINES])
+    assert checked == len(set(zip(known.dataset.tolist(), known.method.tolist(), strict=True)))
+
+
+def test_the_tables_from_any_start_are_the_shipped_results():
+    tables, shown = document_tables(GLOBAL_TEXT), set()
+    for name, sweeps in (("global-sweeps", LEVELS), ("global-beyond", BEYOND)):
+        head, *rows = tables[name]
+        assert head[3:-1] == list(sweeps)
+        for dataset, method, scenes, *cells, milliseconds in rows:
+            run = shipped_results().where(dataset=dataset, method=method).among(sweep=sweeps)
+            for sweep, cell in zip(sweeps, cells, strict=True):
+                counts = [(run.where(sweep=sweep).level == level).sum() for level in ALL_LEVELS[sweep]]
+                assert int(scenes.split()[0]) <= min(counts) and max(counts) <= int(scenes.split()[-1])
+                if cell:
+                    mean, half = map(float, cell.split(" ± "))
+                    assert abs(mean_of_levels(run, sweep, "accuracy") - mean) < 0.00051
+                    assert abs(sweep_estimate(run, sweep, "accuracy").half - half) < 0.00051
+            assert abs(float(np.median(run.seconds)) * 1e3 - float(milliseconds.removesuffix(" ms"))) <= 0.5
+            shown.add((dataset, method, name))
+    results = shipped_results()
+    for name, sweeps in (("global-sweeps", LEVELS), ("global-beyond", BEYOND)):
+        there = results.among(sweep=sweeps)
+        pairs = set(zip(there.dataset.tolist(), there.method.tolist(), strict=True))
+        assert {(*pair, name) for pair in pairs if pair[1] not in {*LEARNED, *BASELINES}} <= shown
+    _, *rows = tables["reliability"]
+    for method, poses, right, error, sure, doubted in rows:
+        run = results.where(method=method)
+        p, is_right = run.probability, run.accuracy >= 0.9
+        assert int(poses.replace(",", "")) == len(run) and abs(is_right.mean() - float(right)) < 0.00051
+        bins = np.minimum((p * 10).astype(int), 9)
+        parts = [abs(p[bins == k].mean() - is_right[bins == k].mean()) * (bins == k).mean() for k in set(bins)]
+        assert abs(sum(parts) - float(error)) < 0.00051
+        assert sure == f"{(is_right & (p >= 0.95)).sum()} of {(p >= 0.95).sum()}"
+        assert doubted == f"{(~is_right & (p < 0.5)).sum()} of {(~is_right).sum()}"
 
 
 def test_the_documents_differences_are_those_on_the_same_scenes():
@@ -314,7 +359,7 @@ def test_what_was_not_run_says_so_and_is_never_a_number(folder: Path, results: R
     assert "The sweeps of this cloud were not run." in html
     assert "The number of scenes at a level is uneven, 2 to 8; the paper has 100." in html
     n_levels = sum(len(levels) for levels in LEVELS.values())
-    n_methods = sum(len(names(shape)) for shape in ("bunny", "urban") for names in (method_names, from_any_start))
+    n_methods = sum(len(compared(shape)) for shape in ("bunny", "urban"))
     assert f"Not everything was run:</b> {3 * n_levels - 5} of {n_levels * n_methods} levels" in html
 
 
@@ -380,11 +425,48 @@ def test_the_levels_file_has_every_level_that_was_run_and_no_other(folder: Path,
         assert float(row["median_seconds"]) == pytest.approx(float(np.median(here.seconds[np.isfinite(here.rmse)])))
 
 
+def test_the_report_tells_how_sure_methods_were_and_what_they_do_beyond(tmp_path: Path):
+    results = shipped_results().among(method=["Global", "DO"], sweep=BEYOND)
+    html = write_report(results, tmp_path, {}).read_text(encoding="utf-8")
+    assert "How sure" in html and "Scenes beyond the paper" in html
+    assert (tmp_path / "figures" / "reliability.png").is_file()
+    rows = [row for row in read_csv(tmp_path / "tables" / "reliability.csv") if int(float(row["poses"]))]
+    run = results.where(method="Global")
+    assert {row["method"] for row in rows} == {"Global"}
+    assert sum(int(float(row["poses"])) for row in rows) == len(run)
+    last = run.accuracy[run.probability >= 0.9] >= 0.9
+    assert float(rows[-1]["share_right"]) == pytest.approx(last.mean())
+    mean = sweep_estimate(run.where(dataset="urban"), "view", "accuracy").mean
+    assert f"{mean:.3f}" in re.sub(r"<[^>]+>", " ", beyond_table(results, "urban"))
+
+
+def test_probabilities_that_are_frequencies_have_no_calibration_error_and_overconfidence_has():
+    rng = np.random.default_rng(3)
+    p = rng.random(200_000)
+    is_right = rng.random(len(p)) < p
+    honest, bold = Reliability.of(p, is_right), Reliability.of(np.clip(p + 0.2, 0, 1), is_right)
+    assert honest.error < 0.01 and bold.error == pytest.approx(0.18, abs=0.01)
+    assert honest.counts.sum() == honest.total == len(p) and honest.share_right == pytest.approx(is_right.mean())
+    assert honest.sure == ((p >= 0.95).sum(), is_right[p >= 0.95].sum())
+    assert honest.failures == ((~is_right).sum(), (p[~is_right] < 0.5).sum())
+    figure = reliability_figure({"Global": honest, "DO, many starts": bold})
+    dots = next(line for line in figure.axes[0].lines if line.get_marker() == "o")
+    np.testing.assert_allclose(dots.get_ydata(), honest.right)
+    assert Reliability.of(np.array([0.0, 1.0]), np.array([False, True])).counts.tolist() == [1, *[0] * 8, 1]
+
+
+def test_the_interval_of_a_share_covers_it_19_times_out_of_20():
+    rng = np.random.default_rng(4)
+    for share, count in ((0.5, 20), (0.9, 40), (0.98, 60)):
+        low, high = wilson(rng.binomial(count, share, 4000) / count, np.full(4000, count))
+        assert ((low <= share) & (share <= high)).mean() == pytest.approx(0.95, abs=0.035)
+
+
 # methods and figures
 
 
 def test_every_method_belongs_to_one_family_and_all_families_look_different():
-    assert sorted(COMPARED_METHODS) == sorted([*LEARNED, *BASELINES, *FROM_ANY_START, *MANY_STARTS])
+    assert sorted(COMPARED_METHODS) == sorted([*LEARNED, *BASELINES, *FROM_ANY_START, *MANY_STARTS, *PEERS])
     assert len({family.color for family in FAMILIES}) == len({family.marker for family in FAMILIES}) == len(FAMILIES)
 
 

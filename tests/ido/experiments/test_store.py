@@ -21,7 +21,9 @@ METHODS = {("bunny", "DO"): {"epsilon": 0.001}, ("bunny", "ICP"): {"cutoff": mat
 
 def row(method: str = "DO", trial: int = 0, accuracy: float = 0.1 + 0.2) -> Row:
     nan = math.nan
-    return Row("bunny", method, "noise", 0.02, trial, 7 + trial, accuracy, 1e-300, nan, math.inf, 0.25, 31, "converged")
+    return Row(
+        "bunny", method, "noise", 0.02, trial, 7 + trial, accuracy, 1e-300, nan, math.inf, 0.25, 31, "converged", nan
+    )
 
 
 def write(path: Path, *rows: Row) -> None:
