@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import re
 import struct
-import warnings
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ido.clouds import CloudError
 from ido.files.cloud_file import CloudFile, check_count
+from ido.files.faces import triangles_of
+from ido.types import FloatArray
+
+_STL_HEAD = 84  # bytes: a remark and the number of triangles
+_STL_TRIANGLE = 50  # bytes
 
 
 def read_obj(path: Path) -> CloudFile:
@@ -18,23 +25,21 @@ def read_obj(path: Path) -> CloudFile:
     Raises:
         CloudError: a vertex or a face is not as it should be.
     """
-    vertices, faces = [], []
+    vertices: list[str] = []
+    faces: list[list[int]] = []
     with path.open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, start=1):
             words = line.split()
-            if words[:1] == ["v"] and len(words) < 4:
-                raise CloudError(f"line {number}: a vertex needs three coordinates")
             if words[:1] == ["v"]:
-                vertices.append(" ".join(words[1:4]))
+                if len(words) < 4:
+                    raise CloudError(f"line {number}: a vertex needs three coordinates")
+                vertices.append(line.strip()[1:])
             elif words[:1] == ["f"]:
-                corners = [_corner(word, len(vertices), number) for word in words[1:]]
-                faces += [(corners[0], corners[i], corners[i + 1]) for i in range(1, len(corners) - 1)]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # an empty file is refused later
-        points = np.loadtxt(vertices, ndmin=2) if vertices else np.empty((0, 3))
-    if faces and max(map(max, faces)) >= len(points):
-        raise CloudError("is cut off: a face names a vertex that is not there")
-    return CloudFile(points, faces=np.array(faces) if faces else None)
+                if len(words) < 4:
+                    raise CloudError(f"line {number}: a face needs three corners")
+                faces.append([_corner(word, len(vertices), number) for word in words[1:]])
+    points = _numbers(vertices)
+    return CloudFile(points, faces=triangles_of(faces, len(points)))
 
 
 def _corner(word: str, count: int, line: int) -> int:
@@ -49,37 +54,90 @@ def read_stl(path: Path) -> CloudFile:
     """The corners of its triangles, each corner as often as the file has it.
 
     Raises:
-        CloudError: cut off.
+        CloudError: cut off, or longer than it promises.
     """
     with path.open("rb") as file:
         head = file.read(1000)
-        file.seek(max(path.stat().st_size - 1000, 0))
-        tail = file.read()
-    if head.lstrip().startswith(b"solid") and b"facet" in head:  # the reader takes what there is of a text
-        if b"endsolid" not in tail:
-            raise CloudError("is cut off: it has no line endsolid")
-    elif len(head) < 84 or 84 + 50 * struct.unpack_from("<I", head, 80)[0] != path.stat().st_size:
-        raise CloudError("is not an STL file, or cut off: its size is not that of the triangles that it promises")
-    return _read(path)
+    if head.lstrip().lower().startswith(b"solid") and b"facet" in head.lower():
+        promised = _triangles_of_text(path)
+    else:
+        promised = _triangles_of_binary(path, head)
+    read = _read(path)
+    if (0 if read.faces is None else len(read.faces)) != promised:
+        raise CloudError(f"has {promised} triangles, of which not all can be read; write it anew as a binary STL")
+    return read
+
+
+def _triangles_of_text(path: Path) -> int:
+    """How many triangles a text has, each of three corners, in solids that all end."""
+    words, last = Counter[str](), ""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for line in file:
+            first = line.split(maxsplit=1)[:1]
+            if first:
+                last = first[0].lower()
+                words[last] += 1
+    triangles, ends = words["facet"], words["solid"] == words["endsolid"] and last == "endsolid"
+    if not ends or words["endfacet"] != triangles or words["vertex"] != 3 * triangles:
+        raise CloudError("is cut off, or damaged: not every solid and facet ends")
+    return check_count(triangles)
+
+
+def _triangles_of_binary(path: Path, head: bytes) -> int:
+    """How many triangles a binary file promises, if it has so many."""
+    size = path.stat().st_size
+    if len(head) < _STL_HEAD:
+        raise CloudError("is not an STL file, or cut off within its head")
+    promised = struct.unpack_from("<I", head, _STL_HEAD - 4)[0]
+    there, rest = divmod(size - _STL_HEAD, _STL_TRIANGLE)
+    if promised != there or rest:
+        what = "cut off" if there < promised else "longer than that"
+        raise CloudError(f"is not an STL file, or {what}: it promises {promised} triangles and has room for {there}")
+    return check_count(promised)
 
 
 def read_off(path: Path) -> CloudFile:
-    """Vertices and triangles.
+    """Vertices, and faces cut into triangles; colours, normals and places in pictures are not looked at.
 
     Raises:
-        CloudError: not an OFF file, or cut off.
+        CloudError: not an OFF file, cut off, or longer than it promises.
     """
     with path.open(encoding="ascii", errors="replace") as file:
-        words = [word for line in file for word in line.partition("#")[0].split()][:3]
-    first = 1 if words and words[0].upper().endswith("OFF") else 0
-    if len(words) < first + 2 or not all(word.isdigit() for word in words[first : first + 2]):
+        rows = [row for line in file if (row := line.partition("#")[0].strip())]
+    words = rows[0].split() if rows else []
+    if words and re.fullmatch(r"(ST)?C?N?OFF", words[0].upper()):
+        rows[0] = " ".join(words[1:])  # the counts may follow in the same line
+        rows = rows if rows[0] else rows[1:]
+    promised = rows[0].split()[:2] if rows else []
+    if len(promised) < 2 or not all(word.isdigit() for word in promised):
         raise CloudError("is not an OFF file: it does not say how many points and faces it has")
-    promised, faces = map(int, words[first : first + 2])
-    check_count(promised)
-    read = _read(path)
-    if len(read.points) != promised or (0 if read.faces is None else len(read.faces)) < faces:
-        raise CloudError(f"is cut off: it promises {promised} points and {faces} faces")
-    return read
+    count, n_faces = (check_count(int(word)) for word in promised)
+    if len(rows) != 1 + count + n_faces:
+        what = "is cut off" if len(rows) < 1 + count + n_faces else "holds more than it promises"
+        raise CloudError(f"{what}: {count} points and {n_faces} faces are promised, {len(rows) - 1} lines follow")
+    points = _numbers(rows[1 : 1 + count])
+    return CloudFile(points, faces=triangles_of([_face(row) for row in rows[1 + count :]], count))
+
+
+def _face(row: str) -> list[int]:
+    """The corners of a face of an OFF file, which their number precedes and a colour may follow."""
+    size, *words = row.split()
+    corners = words[: int(size)] if size.isdigit() else []
+    if len(corners) < 3 or len(corners) != int(size) or not all(corner.isdigit() for corner in corners):
+        raise CloudError(f"is cut off, or damaged: {row[:40]!r} is no face")
+    return [int(corner) for corner in corners]
+
+
+def _numbers(rows: Sequence[str]) -> FloatArray:
+    """The first three numbers of each row, shape (N, 3).
+
+    Raises:
+        CloudError: a row has none.
+    """
+    try:
+        return np.loadtxt(rows, comments=None, usecols=(0, 1, 2), ndmin=2) if rows else np.empty((0, 3))
+    except ValueError as error:
+        raise CloudError(f"is cut off, or damaged: a point does not have three coordinates ({error})") from error
 
 
 def _read(path: Path) -> CloudFile:

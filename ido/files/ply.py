@@ -11,6 +11,7 @@ import numpy as np
 
 from ido.clouds import CloudError
 from ido.files.cloud_file import CloudFile, check_count
+from ido.files.faces import Polygons, triangles_of
 from ido.files.rows import (
     binary_rows,
     check_end,
@@ -37,8 +38,6 @@ _CORNERS = ("vertex_indices", "vertex_index")
 
 Property = tuple[str, str, str | None]
 """Name, type of a value, and type of the number of values when it is a list."""
-
-Polygons = list[list[int]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +87,7 @@ def read_ply(path: Path) -> CloudFile:
             if element.name == "vertex" and rows is not None:
                 vertices = dict(columns_of(rows))
             elif element.name == "face" and element.count:
-                faces = _triangles(lists, next(e.count for e in elements if e.name == "vertex"))
+                faces = triangles_of(lists, next(e.count for e in elements if e.name == "vertex"))
                 if faces is None:
                     notes.append(f"{element.count} faces without a list of three corners or more are not used")
             elif element.count:
@@ -181,17 +180,3 @@ def _walk(element: Element, read: Callable[[str], float]) -> list[int]:
         if name in _CORNERS:
             corners = [int(value) for value in values]
     return corners
-
-
-def _triangles(polygons: np.ndarray | Polygons, count: int) -> np.ndarray | None:
-    """Triangles of polygons, shape (F, 3), each cut from its first corner.
-
-    Raises:
-        CloudError: a corner is no point.
-    """
-    if isinstance(polygons, list):
-        cut = [(p[0], p[i], p[i + 1]) for p in polygons for i in range(1, len(p) - 1)]
-        polygons = np.array(cut, dtype=np.int64).reshape(-1, 3)
-    if len(polygons) and not (polygons.min() >= 0 and polygons.max() < count):
-        raise CloudError("a face names a point that is not there")
-    return polygons if len(polygons) else None

@@ -122,14 +122,15 @@ def npz(**arrays: np.ndarray) -> bytes:
     return made("a.npz", lambda path: np.savez(path, allow_pickle=False, **arrays))
 
 
-def las(name: str) -> bytes:
+def las(name: str, point_format: int = 3, version: str = "1.2") -> bytes:
     def write(path: Path) -> None:
-        header = laspy.LasHeader(point_format=3, version="1.2")
+        header = laspy.LasHeader(point_format=point_format, version=version)
         header.scales = np.full(3, 0.01)
         header.offsets = np.zeros(3)
         scan = laspy.LasData(header)
         scan.x, scan.y, scan.z = POINTS.T
         scan["intensity"] = np.arange(60)
+        scan["return_number"] = scan["number_of_returns"] = np.ones(60, dtype=np.uint8)
         scan.write(str(path))
 
     return made(name, write)
@@ -152,7 +153,10 @@ _HOLED[7, 1] = np.nan
 _DECIMAL_COMMAS = [line.replace(".", ",") for line in lines()]
 _HALF = faces(*((i, i + 1, i + 2) for i in range(28)))
 _LAS, _LAZ = las("a.las"), las("a.laz")
-_MANY = struct.pack("<I", 10**8)
+_LAYERED = las("a.laz", 6, "1.4")
+_MANY, _FIFTY, _SEVENTY = (struct.pack("<I", count) for count in (10**8, 50, 70))
+_COUNT, _COUNT_1_4, _BOUNDS = 107, 247, 179  # places in the head of a LAS
+_STL, _STL_TEXT = (made("a.stl", lambda path, kind=kind: _BOX.export(str(path), kind)) for kind in ("stl", "stl_ascii"))
 
 VARIANTS = (
     Variant("blanks.xyz", "blanks between columns", text(*lines())),
@@ -302,11 +306,35 @@ VARIANTS = (
     Variant("scan.laz", "LAZ", _LAZ),
     Variant("short.las", "LAS, cut off", _LAS[:-500], "is cut off"),
     Variant("short.laz", "LAZ, cut off", _LAZ[:-100], "LAZ"),
-    Variant("many.las", "LAS that promises 100 million points", at(_LAS, 107, _MANY), "thin it to at most"),
+    Variant("many.las", "LAS that promises 100 million points", at(_LAS, _COUNT, _MANY), "thin it to at most"),
+    Variant("claims.las", "LAS that promises 70 points", at(_LAS, _COUNT, _SEVENTY), "it holds 60"),
+    Variant("claims.laz", "LAZ that promises 70 points", at(_LAZ, _COUNT, _SEVENTY), "LAZ"),
+    Variant("long.las", "LAS that promises 50 points", at(_LAS, _COUNT, _FIFTY), "holds 60 points"),
+    Variant("long.laz", "LAZ that promises 50 points", at(_LAZ, _COUNT, _FIFTY), "holds 60 points"),
+    Variant("layered.laz", "LAZ of a newer kind of points", _LAYERED),
+    Variant(
+        "claims-layered.laz", "the same that promises 70 points", at(_LAYERED, _COUNT_1_4, _SEVENTY), "it holds 60"
+    ),
+    Variant(
+        "long-layered.laz", "the same that promises 50 points", at(_LAYERED, _COUNT_1_4, _FIFTY), "holds 60 points"
+    ),
+    Variant(
+        "bounds.las",
+        "LAS whose points do not reach as far as its head says",
+        at(_LAS, _BOUNDS, struct.pack("<d", 1e3)),
+        noted="do not fill the bounds",
+    ),
     Variant("vertices.obj", "vertices alone", text(*(f"v {line}" for line in lines()))),
     Variant("vertices.off", "vertices alone", text("OFF", "60 0 0", *lines())),
     Variant("short.off", "cut off", text("OFF", "60 1 0", *lines()), "is cut off"),
-    Variant("short.stl", "cut off", made("a.stl", lambda path: _BOX.export(str(path)))[:-60], "cut off"),
+    Variant("long.off", "more points than it promises", text("OFF", "50 0 0", *lines()), "holds more than it promises"),
+    Variant("face.off", "its last face cut off", text("OFF", "60 1 0", *lines(), "3 0 1"), "is no face"),
+    Variant("short.stl", "binary, cut off", _STL[:-60], "promises 12 triangles and has room for 10"),
+    Variant("long.stl", "binary, more triangles than it promises", _STL + _STL[-50:], "longer than that"),
+    Variant("short-text.stl", "text, cut off", _STL_TEXT[:-200], "not every solid and facet ends"),
+    Variant(
+        "second.stl", "text, its second solid cut off", _STL_TEXT + _STL_TEXT[:300], "not every solid and facet ends"
+    ),
     Variant(
         "corner.obj",
         "a face with a corner that is not there",
