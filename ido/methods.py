@@ -59,7 +59,7 @@ MANY_STARTS: dict[str, str] = {f"{name}, many starts": name for name in ("DO", "
 """Learned methods from many starts, and which one each is."""
 
 _TUNED_PEERS: tuple[Peer, ...] = (
-    RANSAC(),
+    RANSAC(voxel=0.125, normal_gain=3.0),
     FGR(voxel=0.1, normal_gain=3.0),
     GICP(downsampling=0.07, cutoff=0.3),
     KISS(voxel=0.1, normal_gain=4.0, feature_gain=8.0),

@@ -21,7 +21,7 @@ from ido.files import save_cloud
 dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
 
-SMALL = ("--datasets", "bunny", "--sweeps", "points", "outliers", "--methods", "DO", "ICP, default", "--scenes", "4")
+SMALL = ("--datasets", "bunny", "--sweeps", "noise", "outliers", "--methods", "DO", "ICP, default", "--scenes", "2")
 
 
 @pytest.fixture(scope="module")
@@ -57,9 +57,7 @@ def test_a_killed_worker_loses_nothing_and_nothing_is_recorded_twice(
     connection = sqlite3.connect(path)
     rows = [Row(*row) for row in connection.execute("SELECT * FROM registrations")]
     connection.close()
-    experiment = Experiment(
-        datasets=("bunny",), sweeps=("points", "outliers"), methods=("DO", "ICP, default"), scenes=4
-    )
+    experiment = Experiment(datasets=("bunny",), sweeps=("noise", "outliers"), methods=("DO", "ICP, default"), scenes=2)
     expected = [row for chunk in experiment.missing(()) for row in run_chunk(chunk)]
     assert len(rows) == len(expected)
     assert {row._replace(seconds=0) for row in rows} == {row._replace(seconds=0) for row in expected}

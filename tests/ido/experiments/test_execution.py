@@ -28,8 +28,8 @@ from ido.experiments.store import Row, Store
 from ido.experiments.workers import local_executor
 from ido.methods import compared, shipped_method
 
-SMALL = ("--sweeps", "points", "--methods", "DO", "ICP, default", "--scenes", "3")
-EXPERIMENT = Experiment(sweeps=("points",), methods=("DO", "ICP, default"), scenes=3)
+SMALL = ("--sweeps", "noise", "--methods", "DO", "ICP, default", "--scenes", "3")
+EXPERIMENT = Experiment(sweeps=("noise",), methods=("DO", "ICP, default"), scenes=3)
 
 
 def rows_of(path: Path) -> list[tuple[Any, ...]]:
