@@ -40,8 +40,8 @@
     set(all, uuid, entry) {
       const { chart } = entry;
       const redraw = chart.redraw;
-      chart.redraw = (paths) => redraw(paths, true);
-      chart.redraw();
+      // before its first drawing its scale waits to be set, and a redraw of its paths would set it to nothing
+      chart.redraw = (paths) => redraw(chart.scales.x.min == null ? false : paths, true);
       all[uuid] = entry;
       return true;
     },
