@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -61,6 +61,7 @@ def show(
     methods: Mapping[str, OwnClass] | None = None,
     height: int = 760,
     port: int = 0,
+    allow_origin: Collection[str] = (),
     **values: Any,
 ) -> EmbeddedExplorer:
     """Start an explorer and embed it in the notebook cell whose last line this is.
@@ -76,12 +77,14 @@ def show(
             first is shown. See `ido.extensions`.
         height: of the frame, pixels.
         port: to listen on; any free one by default.
+        allow_origin: where else the page may come from, as ``("https://example.org",)`` of a proxy.
         values: of the page, as the fields of `ido_viz.core.state.State` and of `ido.Perturbation` name them:
             ``show(rotation=90, seed=7, left="ICP, tuned")``.
 
     Raises:
         StateError: a value, the code, the lesson or the combination of them cannot be used.
         ListenError: the port cannot be used.
+        OriginError: an origin is not one.
     """
     if code is not None and lesson is not None:
         raise StateError("give a code or a lesson, not both")
@@ -99,7 +102,7 @@ def show(
     if "shape" in values and values["shape"] != state.shape:
         state = library.at_shape(state, values["shape"])
     state = with_values(state, values)
-    return EmbeddedExplorer(App(library.checked(state), library=library, port=port), height)
+    return EmbeddedExplorer(App(library.checked(state), library=library, port=port, origins=allow_origin), height)
 
 
 def _itself(maps: Maps) -> Maps:

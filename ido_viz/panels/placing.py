@@ -26,6 +26,7 @@ div[style*="width: 7.25em"]:has(label:empty) { display: none; }
 .mantine-Button-root[data-variant="outline"] { --button-color: var(--for-text) !important; }
 [role=tab][aria-selected=true] { color: var(--for-text) !important; }
 """
+_CLOSER_TABS = "[role=tab] { padding-inline: 0.35rem !important; }"  # all in one row, also with large text
 _WIDER = 1.14  # panels are then, less than the text, for the canvas needs its room
 
 
@@ -51,7 +52,9 @@ class Placing:
             return
         self._look = (*shown, state.large_text)
         scale = LARGE_TEXT if state.large_text else 1.0
-        self._style.content = f"<style>html{{font-size:{100 * scale:g}%}}{_STYLE}</style>"
+        self._style.content = (
+            f"<style>html{{font-size:{100 * scale:g}%}}{_STYLE}{_CLOSER_TABS if state.large_text else ''}</style>"
+        )
         wider = _WIDER if state.large_text else 1.0
         self._main.set_width(round(CONTROLS_WIDTH * wider))
         above = None

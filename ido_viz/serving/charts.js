@@ -30,3 +30,56 @@
     }
   };
 })();
+
+// A chart is made before it has a width, and gets width and new data at once. uPlot's `setSize` asks for new axes and
+// its `redraw`, which the data cause, forgets that again: the axes stay those of no width, without names and dividers. So
+// a redraw has new axes, too. viser keeps its charts for tests of its own; that is where they can be reached.
+(() => {
+  const charts = {};
+  const kept = new Proxy(charts, {
+    set(all, uuid, entry) {
+      const { chart } = entry;
+      const redraw = chart.redraw;
+      // before its first drawing its scale waits to be set, and a redraw of its paths would set it to nothing
+      chart.redraw = (paths) => redraw(chart.scales.x.min == null ? false : paths, true);
+      all[uuid] = entry;
+      return true;
+    },
+  });
+  window.__viserTestpoints = { ...window.__viserTestpoints, uplots: kept };
+})();
+
+// A menu whose options change is closed by that. While one is open its new options wait; the newest come when it closes.
+(() => {
+  const waiting = new Map(); // the newest options of each open menu
+
+  const isOpen = (uuid) => document.getElementById(uuid)?.getAttribute("aria-expanded") === "true";
+
+  window.Worker = class extends Worker {
+    constructor(...how) {
+      super(...how);
+      this.addEventListener("message", ({ data }) => {
+        if (data.type === "connected") waiting.clear();
+        for (const message of data.messages ?? []) {
+          if (message.type !== "GuiUpdateMessage" || !message.updates.options) continue;
+          waiting.delete(message.uuid);
+          if (!isOpen(message.uuid)) continue;
+          waiting.set(message.uuid, message.updates.options);
+          delete message.updates.options;
+        }
+      });
+      const deliver = () => {
+        const uuids = [...waiting.keys()].filter((uuid) => !isOpen(uuid));
+        if (!uuids.length) return;
+        const messages = uuids.map((uuid) => ({
+          type: "GuiUpdateMessage",
+          uuid,
+          updates: { options: waiting.get(uuid) },
+        }));
+        uuids.forEach((uuid) => waiting.delete(uuid));
+        this.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+      };
+      setInterval(deliver, 300);
+    }
+  };
+})();

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import AT_THE_END, AT_THE_START, Explorer, OpenExplorer, box_of, like
+from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, like
 
 from ido import RANGES
 from ido_viz.core import palette
@@ -275,6 +275,19 @@ def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplor
     assert explorer.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     for number in range(2):
         explorer.wait_until("a histogram", lambda number=number: explorer.chart_ink(number) > 500)
+
+
+ROWS_OF_TABS = """() => [...document.querySelectorAll("[data-dock-group]")].map(group => {
+    const tabs = [...group.querySelectorAll("[role=tab]")];
+    return new Set(tabs.map(tab => Math.round(tab.getBoundingClientRect().top))).size;
+}).filter(rows => rows > 0)"""
+
+
+def test_with_large_text_the_tabs_of_each_panel_stand_in_one_row(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_END, large_text=True), (1280, 720))
+    explorer.pause(SETTLING)
+    rows = explorer.page.evaluate(ROWS_OF_TABS)
+    assert len(rows) >= 2 and set(rows) == {1}
 
 
 def test_on_a_phone_the_panes_are_seen_and_play_works(open_explorer: OpenExplorer):

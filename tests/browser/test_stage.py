@@ -178,3 +178,20 @@ def test_a_click_into_a_heatmap_or_the_list_picks_its_bin_and_escape_lets_go(exp
     explorer.wait_until("the row's point", lambda: explorer.state().inspected == number % 514)
     explorer.page.keyboard.press("Escape")
     explorer.wait_until("no point", lambda: explorer.state().inspected == -1)
+
+
+def test_an_open_menu_stays_open_and_has_its_new_options_once_it_is_closed(explorer: Explorer):
+    explorer.open_tab("Inspect")
+    before = explorer.options("Strongest bins")
+    explorer.field("Strongest bins").click()
+    options = explorer.page.get_by_role("option")
+    options.first.wait_for()
+    first = explorer.page.get_by_role("button", name="First (R)")
+    first.evaluate("button => button.click()")  # as a key of another frame would, without leaving the menu
+    explorer.wait_until("the first iteration", lambda: explorer.iteration() == 0)
+    explorer.pause(SETTLING)
+    assert options.all_inner_texts() == before
+    explorer.field("Strongest bins").press("Escape")
+    options.first.wait_for(state="hidden")
+    explorer.pause(SETTLING)
+    assert explorer.options("Strongest bins")[1:] != before[1:]

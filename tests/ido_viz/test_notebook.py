@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import urllib.error
 import urllib.request
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 import ido_viz
 from ido import Cloud, Maps
 from ido_viz.core.state import State, StateError, encode
+from ido_viz.serving.guests import OriginError
 
 
 def state_of(page: ido_viz.EmbeddedExplorer) -> State:
@@ -41,6 +43,23 @@ def test_a_page_begins_with_what_was_asked_for(arguments: dict[str, Any], expect
         page.stop()
     with pytest.raises(OSError):
         urllib.request.urlopen(page.url, timeout=2)
+
+
+def test_a_page_behind_a_proxy_answers_to_its_name():
+    def status(origins: tuple[str, ...]) -> int:
+        page = ido_viz.show(allow_origin=origins)
+        try:
+            request = urllib.request.Request(page.url, headers={"Host": "hub.example.org"})
+            return urllib.request.urlopen(request, timeout=10).status
+        except urllib.error.HTTPError as refused:
+            return refused.code
+        finally:
+            page.stop()
+
+    assert status(("https://hub.example.org",)) == 200
+    assert status(()) == 403
+    with pytest.raises(OriginError, match="looks like https"):
+        ido_viz.show(allow_origin=("hub.example.org/lab",))
 
 
 def test_an_own_cloud_is_registered_by_own_maps(bunny: Cloud, small_maps: Maps):

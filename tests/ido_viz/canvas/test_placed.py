@@ -20,6 +20,8 @@ RED = (255, 0, 0)
 class Node:
     """Stands for one of viser's: notes what is assigned."""
 
+    sent: list[tuple[str, Any]]
+
     def __init__(self, sent: list[tuple[str, Any]]) -> None:
         object.__setattr__(self, "sent", sent)
 
