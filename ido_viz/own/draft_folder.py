@@ -40,7 +40,9 @@ class DraftFolder:
         self.draft: Draft | None = None
         self.cost: Cost | None = None
         self._upload = gui.add_upload_button(
-            "Upload a cloud", icon=viser.Icon.UPLOAD, hint=f"A cloud or a mesh of at most {MOST_UPLOAD >> 20} MB."
+            "Upload a cloud",
+            icon=viser.Icon.UPLOAD,
+            hint=f"At most {MOST_UPLOAD >> 20} MB; it may be dropped here or on the canvas.",
         )
         self._upload.on_upload(lambda event: self._read(event.target.value.name, event.target.value.content))
         self._text = gui.add_html(caption(_NOTHING.format(limit=MOST_UPLOAD >> 20)))
