@@ -75,7 +75,7 @@ class Reliability:
         return float(np.nansum(self.counts * np.abs(self.told - self.right)) / self.total)
 
 
-def wilson(share: FloatArray, count: FloatArray) -> tuple[FloatArray, FloatArray]:
+def wilson(share: FloatArray, count: FloatArray | IntArray) -> tuple[FloatArray, FloatArray]:
     """The 95% interval of shares of so many (Wilson 1927): its lower and upper ends."""
     z2 = 1.96**2
     middle = (share + z2 / (2 * count)) / (1 + z2 / count)

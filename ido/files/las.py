@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import struct
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -69,7 +70,7 @@ def _plain_points(path: Path, head: LasHeader) -> int:
 
 def _packed_points(path: Path, head: LasHeader) -> int:
     """How many points the packed chunks hold. Those of old formats do not say it; they are as full as is promised."""
-    import lazrs
+    lazrs: Any = importlib.import_module("lazrs")  # which has no types
 
     place = head.vlrs.index("LasZipVlr")
     packing = lazrs.LazVlr(head.vlrs[place].record_data)

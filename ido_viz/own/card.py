@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from collections.abc import Mapping
@@ -39,6 +40,14 @@ class Card:
                 for method, its in maps.items()
             }
         )
+
+    @staticmethod
+    def name_of(maps: Mapping[str, Maps]) -> str:
+        """A name for the file of the card of these maps, which other maps, or the same by other names, do not have."""
+        digest = hashlib.sha256()
+        for method, its in maps.items():
+            digest.update(f"{method}/{its.arrays()['header']}/".encode())  # it has the checksum of all the rest
+        return f"card-{digest.hexdigest()[:16]}.json"
 
     def save(self, path: Path) -> None:
         """Write it, whole or not at all."""

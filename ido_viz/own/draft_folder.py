@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import logging
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, get_args
@@ -40,7 +41,9 @@ class DraftFolder:
         self.draft: Draft | None = None
         self.cost: Cost | None = None
         self._upload = gui.add_upload_button(
-            "Upload a cloud", icon=viser.Icon.UPLOAD, hint=f"A cloud or a mesh of at most {MOST_UPLOAD >> 20} MB."
+            "Upload a cloud",
+            icon=viser.Icon.UPLOAD,
+            hint=f"At most {MOST_UPLOAD >> 20} MB; it may be dropped here or on the canvas.",
         )
         self._upload.on_upload(lambda event: self._read(event.target.value.name, event.target.value.content))
         self._text = gui.add_html(caption(_NOTHING.format(limit=MOST_UPLOAD >> 20)))
@@ -66,6 +69,7 @@ class DraftFolder:
     def begin(self, draft: Draft, cost: Cost | None) -> None:
         """Show another draft; its cost may follow with `set_cost`."""
         self.draft, self.cost = draft, cost
+        self._name.value, self._side.value = draft.name, side_text(draft)
         self._show_values(draft)
         self._folder.visible = True
         self._preview_box.value = True
@@ -123,13 +127,11 @@ class DraftFolder:
         self._changed()
 
     def _show_values(self, draft: Draft) -> None:
-        values: tuple[tuple[Any, Any], ...] = (
-            (self._name, draft.name),
-            (self._unit, draft.unit),
-            (self._side, side_text(draft)),
-            (self._up, draft.up),
-            (self._facing, draft.facing),
-        )
+        values: list[tuple[Any, Any]] = [(self._unit, draft.unit), (self._up, draft.up), (self._facing, draft.facing)]
+        if shown_name(self._name.value) != draft.name:  # else a name that is being written would be written over
+            values.append((self._name, draft.name))
+        if not means(self._side.value, float(draft.size.max())):
+            values.append((self._side, side_text(draft)))
         for handle, value in values:
             if handle.value != value:
                 handle.value = value
@@ -154,6 +156,11 @@ def read_length(text: str, otherwise: float) -> float:
     except ValueError:
         return otherwise
     return length if 1e-9 <= length <= 1e12 else otherwise
+
+
+def means(text: str, length: float) -> bool:
+    """Whether what a person has written so far means this length, or nothing yet."""
+    return not text.strip() or math.isclose(read_length(text, math.nan), length, rel_tol=1e-5)
 
 
 def draft_html(draft: Draft) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from time import monotonic
 
-from ido import Cloud, Model, TrainingSettings
+from ido import Cloud, Maps, Model, TrainingSettings
 from ido.experiments.workers import become_worker
 from ido.training import Learner, training_scenes
 from ido_viz.own.card import Card
@@ -82,9 +83,14 @@ def _is_late(began: float, before: float, limit: float | None) -> bool:
 
 def measure(file: Path, card: Path, told: Connection) -> None:
     """Write the quality card of a kept cloud."""
-    _give_way()
     kept = Kept.load(file)
-    Card.of(kept.cloud, kept.maps).save(card)
+    measure_maps(kept.cloud, kept.maps, card, told)
+
+
+def measure_maps(cloud: Cloud, maps: Mapping[str, Maps], card: Path, told: Connection) -> None:
+    """Write the quality card of maps of a cloud, by their methods' names."""
+    _give_way()
+    Card.of(cloud, maps).save(card)
 
 
 def _give_way() -> None:

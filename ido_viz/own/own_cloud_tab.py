@@ -9,7 +9,7 @@ import viser
 
 from ido_viz.core.state import State
 from ido_viz.own.draft_folder import DraftFolder
-from ido_viz.own.kept_folder import KeptFolder
+from ido_viz.own.kept_folder import KeptFolder, card_html
 from ido_viz.own.own_scan_folder import OwnScanFolder
 from ido_viz.own.preview import Preview
 from ido_viz.own.train_folder import TrainFolder
@@ -45,9 +45,11 @@ class OwnCloudTab:
         self._train = TrainFolder(client, workshop, state, self._draft, self._show)
         self._scan = OwnScanFolder(client, workshop, self._preview, lambda: self._state.shape)
         self._kept = KeptFolder(client, workshop, self._show)
+        self._card = gui.add_html("")  # of maps that the server began with
 
     def begin(self) -> None:
         """Show what is there already, once the page is built."""
+        self._workshop.judge(self._state.shape)
         self.refresh()
         draft = self._workshop.draft
         if draft is not None:
@@ -59,15 +61,26 @@ class OwnCloudTab:
         with self._turn:
             self._train.refresh()
             self._kept.refresh()
+            self._show_card()
 
     def draw(self, state: State) -> None:
         """Draw in the colours of a page."""
         before, self._state = self._state, state
+        if state.shape != before.shape:
+            self._workshop.judge(state.shape)
+            with self._turn:
+                self._show_card()
         if state.dark != before.dark or state.large_text != before.large_text:
             self._preview.dark = state.dark
             with self._turn:
                 self._train.draw(state)
             self._draft.redraw()
+
+    def _show_card(self) -> None:
+        """The card of the shape that the panes show, if the server began with its maps."""
+        name = self._state.shape
+        given = self._workshop.is_given(name)
+        self._card.content = card_html(name, self._workshop.card(name)) if given else ""
 
     def _estimate(self) -> None:
         self._train.show_estimate()

@@ -88,6 +88,11 @@ class Shelf(Mapping[str, Subject]):
         return len(self._subjects)
 
     @property
+    def given(self) -> tuple[str, ...]:
+        """Names of the shapes that it began with."""
+        return tuple(self._given)
+
+    @property
     def kept(self) -> tuple[str, ...]:
         """Names of the clouds in the folder."""
         return tuple(self._kept)

@@ -11,12 +11,13 @@ from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 
-from ido import Cloud, CloudError, MapsError, TrainingSettings
+from ido import SHAPES, Cloud, CloudError, MapsError, TrainingSettings
 from ido.files.cloud_file import CloudFile, UsedPoints
 from ido_viz.core.library import Library
+from ido_viz.own.card import Card
 from ido_viz.own.draft import UNITS, Draft, draft_of, open_upload, shown_name
 from ido_viz.own.kept import Kept
-from ido_viz.own.learning import Order, learn, measure
+from ido_viz.own.learning import Order, learn, measure, measure_maps
 from ido_viz.own.plans import Cost, measured_cost
 from ido_viz.own.shelf import LEARNING, Shelf, ShelfError
 from ido_viz.own.training_queue import Job, Told, TrainingQueue
@@ -39,6 +40,7 @@ class Workshop:
         self.library = Library(self.shelf)
         """What pages offer: it changes with the shelf."""
         self._lock = threading.Lock()
+        self._cards: dict[str, Path] = {}  # of shapes that the server began with
         self._reading = threading.Lock()  # one upload at a time takes memory
         self._watchers: list[Callable[[], None]] = []
         self._visitors: dict[Hashable, Callable[[], str]] = {}
@@ -192,6 +194,27 @@ class Workshop:
                 place.card.unlink(missing_ok=True)
 
         self.queue.submit(Job(name, partial(measure, place.maps, place.card), ended=ended))
+
+    def is_given(self, name: str) -> bool:
+        """Whether the server began with a shape of one's own, which has learned maps."""
+        return name in self.shelf.given and name not in SHAPES and bool(self.shelf[name].maps)
+
+    def judge(self, name: str) -> None:
+        """Have the quality card of given maps made, once, unless it lies in the folder."""
+        if not self.is_given(name):
+            return
+        with self._lock:
+            if name in self._cards:
+                return
+            subject = self.shelf[name]
+            maps = {method: load() for method, load in subject.maps.items()}
+            path = self._cards[name] = self.shelf.folder / Card.name_of(maps)
+        if Card.load(path) is None:  # submitted without the lock: pages are told, and may ask
+            self.queue.submit(Job(name, partial(measure_maps, subject.cloud(), maps, path)))
+
+    def card(self, name: str) -> Card | None:
+        """The quality card of a kept cloud, or of given maps; None as long as there is none."""
+        return Card.load(self._cards[name]) if name in self._cards else self.shelf.card(name)
 
     # What is kept
 

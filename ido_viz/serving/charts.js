@@ -33,15 +33,20 @@
 
 // A chart is made before it has a width, and gets width and new data at once. uPlot's `setSize` asks for new axes and
 // its `redraw`, which the data cause, forgets that again: the axes stay those of no width, without names and dividers. So
-// a redraw has new axes, too. viser keeps its charts for tests of its own; that is where they can be reached.
+// the first redraw of a size has new axes, too. viser keeps its charts for tests of its own; that is where they can be reached.
 (() => {
   const charts = {};
   const kept = new Proxy(charts, {
     set(all, uuid, entry) {
       const { chart } = entry;
       const redraw = chart.redraw;
+      let drawn = "";
       // before its first drawing its scale waits to be set, and a redraw of its paths would set it to nothing
-      chart.redraw = (paths) => redraw(chart.scales.x.min == null ? false : paths, true);
+      chart.redraw = (paths) => {
+        const size = `${chart.width} ${chart.height}`;
+        redraw(chart.scales.x.min == null ? false : paths, size !== drawn);
+        drawn = size;
+      };
       all[uuid] = entry;
       return true;
     },

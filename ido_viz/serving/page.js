@@ -113,10 +113,17 @@
     },
     true,
   );
+  // One that is dropped on the canvas goes to the first button for uploads that can be seen.
+  const inputAt = (target) => {
+    const button = target.closest?.(".mantine-Button-root");
+    if (button) return button.parentElement?.querySelector("input[type=file]");
+    if (!target.closest?.("canvas")) return null;
+    const seen = (input) => input.parentElement?.querySelector(".mantine-Button-root")?.offsetParent;
+    return [...document.querySelectorAll("input[type=file]")].find(seen);
+  };
   const dropped = (event) => {
-    const button = event.target.closest?.(".mantine-Button-root");
-    const input = button?.parentElement?.querySelector("input[type=file]");
-    if (!input || !event.dataTransfer?.types.includes("Files")) return null;
+    const input = event.dataTransfer?.types.includes("Files") && inputAt(event.target);
+    if (!input) return null;
     event.preventDefault();
     return input;
   };

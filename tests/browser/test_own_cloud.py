@@ -69,3 +69,30 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
     explorer.wait_until("another shape", lambda: explorer.field("Shape").input_value() == "bunny")
     expect(page.get_by_role("alert").filter(has_text="This cloud is gone")).to_be_visible()
     assert list((tmp_path / "data").glob("*.npz")) == []
+
+
+DROP = """(zone, [name, text]) => {
+    const carried = new DataTransfer();
+    carried.items.add(new File([text], name));
+    for (const type of ["dragenter", "dragover", "drop"]) {
+        const event = new DragEvent(type, { bubbles: true, cancelable: true, dataTransfer: carried });
+        const taken = !zone.dispatchEvent(event);
+        if (type === "dragover" && !taken) return false;
+    }
+    return true;
+}"""
+"""Drop a file on an element, as a browser does: only where dragging over it was taken."""
+
+
+def test_a_file_is_dropped_on_the_button_or_anywhere_on_the_canvas(explorer: Explorer, bunny: Cloud):
+    page = explorer.page
+    rows = ["{:.4f} {:.4f} {:.4f}".format(*point) for point in bunny.points[::300]]
+    assert not page.locator("canvas[data-engine]").evaluate(DROP, ["early.xyz", "\n".join(rows)]), "no tab to take it"
+    explorer.open_tab("Own cloud")
+    button = page.get_by_role("button", name="Upload a cloud", exact=True)
+    assert button.evaluate(DROP, ["button.xyz", "\n".join(rows)])
+    page.get_by_text(f"{len(rows)} points read").wait_for()
+    assert explorer.field("Name").input_value() == "button"
+    assert page.locator("canvas[data-engine]").evaluate(DROP, ["canvas.xyz", "\n".join(rows[:-5])])
+    page.get_by_text(f"{len(rows) - 5} points read").wait_for()
+    assert explorer.field("Name").input_value() == "canvas"

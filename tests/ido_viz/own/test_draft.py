@@ -25,7 +25,7 @@ from ido_viz.own.draft import (
     read_draft,
     shown_name,
 )
-from ido_viz.own.draft_folder import draft_html, read_length, side_text
+from ido_viz.own.draft_folder import draft_html, means, read_length, side_text
 
 HOSTILE = [
     "../../etc/passwd",
@@ -137,3 +137,11 @@ def test_a_name_is_text_on_the_page(draft: Draft):
 @pytest.mark.parametrize(("text", "length"), [("2.5", 2.5), ("nonsense", 7.0), ("-1", 7.0), ("nan", 7.0), ("inf", 7.0)])
 def test_a_length_that_cannot_be_meant_changes_nothing(text: str, length: float):
     assert read_length(text, 7.0) == length
+
+
+@pytest.mark.parametrize(
+    ("text", "its"),
+    [("", True), (" ", True), ("12", True), ("12.", True), ("12.0", True), ("12.5", False), ("a", False)],
+)
+def test_a_length_is_left_as_it_is_written_while_it_means_the_same(text: str, its: bool):
+    assert means(text, 12.0) == its

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import multiprocessing
+import pickle
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -14,10 +16,13 @@ import pytest
 from ido import MapsError, TrainingSettings, perturb, register, score, train
 from ido.experiments import LEVELS
 from ido.perturbation import Perturbation
-from ido_viz.core.library import shipped_library
+from ido_viz.core.library import Library, shipped_library
+from ido_viz.own import card as card_module
+from ido_viz.own import learning
 from ido_viz.own.card import Card
 from ido_viz.own.draft import Draft
 from ido_viz.own.kept import TRAINED, Kept
+from ido_viz.own.learning import measure_maps
 from ido_viz.own.shelf import ShelfError
 from ido_viz.own.training_queue import Told
 from ido_viz.own.workshop import Workshop
@@ -179,3 +184,38 @@ def test_a_draft_s_maps_register_its_scenes(workshop: Workshop, tiny_draft: Draf
     scene = perturb(tiny_draft.cloud, Perturbation(noise=0.0, rotation=20.0, translation=0.05, outliers=0, seed=1))
     moved = register(maps, scene.points)
     assert score(scene, moved.T_model_scene[-1]).accuracy > 0.9
+
+
+def test_maps_that_the_server_began_with_get_a_card_when_they_are_shown_and_once(kept: Kept, tmp_path: Path):
+    given = Library({**shipped_library().subjects, "mine": kept.subject()})
+    workshop = Workshop(given, tmp_path)
+    assert [name for name in workshop.shelf if workshop.is_given(name)] == ["mine"]
+    assert workshop.queue._jobs == []  # not before it is shown
+    told: list[Card | None] = []
+    workshop.watch(lambda: told.append(workshop.card("mine")))  # as pages do when they are told
+    for name in ("mine", "bunny", "mine"):
+        workshop.judge(name)
+    assert told and set(told) == {None}
+    wait("the card to be begun", lambda: measures(workshop, "mine"))
+    assert len(workshop.queue._jobs) == 1
+    workshop.close()
+    made = Card({name: {sweep: (0.5,) * len(levels) for sweep, levels in LEVELS.items()} for name in kept.maps})
+    made.save(tmp_path / Card.name_of(kept.maps))
+    again = Workshop(given, tmp_path)
+    again.judge("mine")
+    assert again.card("mine") == made and again.queue._jobs == []
+    again.close()
+
+
+def test_the_card_of_given_maps_is_that_of_these_maps(kept: Kept, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(card_module, "SCENES", 2)
+    monkeypatch.setattr(card_module, "LEVELS", {"rotation": LEVELS["rotation"]})
+    monkeypatch.setattr(learning, "_give_way", lambda: None)  # that is for a process of its own
+    maps = pickle.loads(pickle.dumps(kept.maps))  # as they go to a process
+    here, there = multiprocessing.Pipe()
+    measure_maps(kept.cloud, maps, tmp_path / Card.name_of(maps), there)
+    here.close()
+    assert Card.load(tmp_path / Card.name_of(kept.maps)) == Card.of(kept.cloud, kept.maps)
+    other = {"DO": replace(kept.maps["DO"], maps=2 * kept.maps["DO"].maps)}
+    names = {Card.name_of(its) for its in (kept.maps, {"DO": kept.maps["DO"]}, other)}
+    assert len(names) == 3
