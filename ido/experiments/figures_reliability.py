@@ -48,7 +48,7 @@ def reliability_figure(found: Mapping[str, Reliability]) -> Figure:
 def _draw_shares(ax: Axes, its: Reliability, color: str) -> None:
     filled = its.counts > 0
     told, right, counts = its.told[filled], its.right[filled], its.counts[filled]
-    low, high = wilson(right, counts)
+    low, high = wilson(right, counts.astype(np.float64))
     ax.plot([0, 1], [0, 1], color=FAINT, linewidth=1, linestyle=(0, (4, 2)))
     ax.vlines(told, low, high, color=color, linewidth=1.6, alpha=0.6)
     ax.plot(told, right, "o", color=color, markersize=6.5, markeredgecolor="white", markeredgewidth=0.7)

@@ -455,7 +455,7 @@ def test_probabilities_that_are_frequencies_have_no_calibration_error_and_overco
     assert honest.failures == ((~is_right).sum(), (p[~is_right] < 0.5).sum())
     figure = reliability_figure({"Global": honest, "DO, many starts": bold})
     dots = next(line for line in figure.axes[0].lines if line.get_marker() == "o")
-    np.testing.assert_allclose(dots.get_ydata(), honest.right)
+    np.testing.assert_allclose(np.asarray(dots.get_ydata(), dtype=float), honest.right)
     assert Reliability.of(np.array([0.0, 1.0]), np.array([False, True])).counts.tolist() == [1, *[0] * 8, 1]
 
 
