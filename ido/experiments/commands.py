@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 else:
     DatasetName, MethodName, SweepName = Literal[tuple(SHAPES)], Literal[COMPARED_METHODS], Literal[tuple(ALL_LEVELS)]
 
+_METHODS_HELP = (
+    f"Methods to compare, each in quotes: {', '.join(COMPARED_METHODS)}. Default: all whose libraries are installed."
+)
+
 app = SubcommandApp()
 """`ido experiment ...`."""
 
@@ -47,7 +51,7 @@ def run_command(
     output: Annotated[Path, arg(aliases=["-o"], metavar="FILE.sqlite")] = Path("ido-results.sqlite"),
     datasets: tuple[DatasetName, ...] = tuple(SHAPES),
     sweeps: tuple[SweepName, ...] | None = None,
-    methods: Annotated[tuple[MethodName, ...] | None, arg(metavar="METHOD ...")] = None,
+    methods: Annotated[tuple[MethodName, ...] | None, arg(metavar="METHOD ...", help=_METHODS_HELP)] = None,
     levels: tuple[float, ...] | None = None,
     scenes: int = MOST_SCENES,
     polish: bool = False,
@@ -69,7 +73,6 @@ def run_command(
         output: Where the results go; a file already there is continued.
         datasets: Shapes to perturb.
         sweeps: Which perturbations to vary, or which scenes beyond. Default: all of the experiment.
-        methods: Methods to compare, each in quotes. Default: all whose libraries are installed.
         levels: Only these levels of the sweeps, where a sweep has them. Default: all.
         scenes: Scenes at each level, at most 100. Fewer are the first of more.
         polish: Also run each method with its last pose brought to the top of the likelihood near it.

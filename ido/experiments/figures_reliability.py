@@ -28,7 +28,9 @@ def reliability_figure(found: Mapping[str, Reliability]) -> Figure:
         above, below = axes[row][column], axes[row + 1][column]
         color = next(family.color for family in FAMILIES if method in dict(family.variants).values())
         _draw_shares(above, its, color)
-        above.set_title(lettered(i, method))
+        above.set_title(f"{lettered(i, method)}\n")
+        said = f"{its.total:,} poses, {its.share_right:.1%} right, ECE {its.error:.3f}"
+        above.text(0, 1.02, said, transform=above.transAxes, va="bottom", color=INK, fontsize=10.5)
         below.bar(EDGES[:-1], its.counts, np.diff(EDGES), align="edge", color=color, edgecolor="white", linewidth=0.7)
         below.set_yscale("symlog", linthresh=1)
         below.set_yticks([0, 1, 10, 100, 1000], ["0", "1", "10", "100", "1000"])
@@ -46,11 +48,9 @@ def reliability_figure(found: Mapping[str, Reliability]) -> Figure:
 def _draw_shares(ax: Axes, its: Reliability, color: str) -> None:
     filled = its.counts > 0
     told, right, counts = its.told[filled], its.right[filled], its.counts[filled]
-    low, high = wilson(right, counts)
+    low, high = wilson(right, counts.astype(np.float64))
     ax.plot([0, 1], [0, 1], color=FAINT, linewidth=1, linestyle=(0, (4, 2)))
     ax.vlines(told, low, high, color=color, linewidth=1.6, alpha=0.6)
     ax.plot(told, right, "o", color=color, markersize=6.5, markeredgecolor="white", markeredgewidth=0.7)
     ax.set_xlim(-0.02, 1.02)
     ax.set_ylim(-0.04, 1.04)
-    lines = (f"{its.total:,} poses", f"{its.share_right:.1%} right", f"ECE {its.error:.3f}")
-    ax.text(0.03, 0.97, "\n".join(lines), transform=ax.transAxes, va="top", color=INK, fontsize=11)

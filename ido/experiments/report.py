@@ -140,9 +140,9 @@ def _lead(results: Results) -> str:
 
 def _scenes_sentence(results: Results) -> str:
     """Plainly, how many scenes there are at a level of the paper's sweeps, and how much was not run."""
-    if not len(results):
-        return "Nothing was run yet."
     results = results.among(sweep=LEVELS, method=COMPARED_METHODS)
+    if not len(results):
+        return "Nothing of the paper's sweeps was run yet."
     keys = np.stack([results.dataset, results.method, results.sweep, results.level.astype(str)])
     counts = np.unique(keys, axis=1, return_counts=True)[1]
     fewest, most = int(counts.min()), int(counts.max())
@@ -167,7 +167,7 @@ def _results_sections(results: Results, figures: _Figures) -> Iterator[Section]:
     for dataset, shape in SHAPES.items():
         tables = [table for table in PAPER_TABLES if table.dataset == dataset]
         body = "".join(_score_html(results, table) for table in tables) + _reading_note(dataset)
-        if len(results.where(dataset=dataset)):
+        if len(results.where(dataset=dataset).among(sweep=LEVELS)):
             body += figures.html(sweep_figures(results, dataset))
         else:
             body += "<p>The sweeps of this cloud were not run.</p>"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import open3d as o3d
@@ -86,7 +87,7 @@ def test_ransac_and_fgr_follow_open3ds_tutorial(bunny: Cloud, scene: Scene):
     """The tutorial's own lines, with its voxel; RANSAC and FGR then differ in what they match with."""
     voxel, registration = 0.1, o3d.pipelines.registration
 
-    def preprocessed(points: np.ndarray) -> tuple[o3d.geometry.PointCloud, o3d.pipelines.registration.Feature]:
+    def preprocessed(points: np.ndarray) -> tuple[Any, Any]:
         down = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points.astype(float))).voxel_down_sample(voxel)
         down.estimate_normals(o3d.geometry.KDTreeSearchParamHybrid(radius=voxel * 2, max_nn=30))
         near = o3d.geometry.KDTreeSearchParamHybrid(radius=voxel * 5, max_nn=100)
