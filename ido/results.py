@@ -66,7 +66,7 @@ class Results:
             chosen &= getattr(self, name) == value
         return Results(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
-    def among(self, **values: Collection[str]) -> Results:
+    def among(self, **values: Collection[str | float]) -> Results:
         """The entries whose columns have one of these values each."""
         chosen = np.ones(len(self), dtype=bool)
         for name, its in values.items():

@@ -79,6 +79,7 @@ def test_what_stands_behind_the_points_of_a_laser_scan_is_not_taken_for_points(t
     import laspy
 
     scan = laspy.read(Variant("a.las", "", las("a.las", 6, "1.4")).write(tmp_path))
+    assert scan.evlrs is not None
     scan.evlrs.append(laspy.VLR("ido", 7, record_data=bytes(5000)))
     scan.write(str(tmp_path / "b.las"))
     np.testing.assert_array_equal(read_cloud(tmp_path / "b.las").points, read_cloud(tmp_path / "a.las").points)
