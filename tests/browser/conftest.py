@@ -27,7 +27,6 @@ FLAGS = [
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
-    "--process-per-site",  # a process that has shown a page shows the next one sooner
 ]
 
 
@@ -103,11 +102,14 @@ def explorer(
     context: BrowserContext, app_for: Callable[[State], App], kept_pages: list[Explorer]
 ) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
-    # a test that fails keeps its page from the next
     kept = kept_pages.pop() if kept_pages else new_explorer(app_for(AT_THE_END), context, SMALL).open()
     yield kept
-    assert kept.errors == []
-    kept.put_back(AT_THE_END)
+    try:
+        assert kept.errors == []
+        kept.put_back(AT_THE_END)
+    except BaseException:  # it is of no use to the next test, whose app it would share
+        kept.page.close()
+        raise
     kept_pages.append(kept)
 
 

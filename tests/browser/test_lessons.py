@@ -153,7 +153,7 @@ def test_a_scene_of_the_training_comes_unrounded(explorer: Explorer):
 
 def camera_turns(explorer: Explorer) -> bool:
     """Whether holding an arrow turns the camera; the server is told of each of its moves."""
-    (client,) = explorer.app.server.get_clients().values()
+    client = explorer.client()
     explorer.pause(300)
     before = client.camera.position
     explorer.page.evaluate("document.activeElement.blur()")

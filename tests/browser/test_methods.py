@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from explorer import Explorer, box_of
 
+from ido import Perturbation
 from ido_viz.core.library import shipped_library
+from ido_viz.core.state import encode
 from ido_viz.panels.compare_tab import COLUMNS
 
 
@@ -25,6 +29,8 @@ def test_a_baseline_registers_steps_and_follows_a_slider(explorer: Explorer):
 
 
 def test_all_methods_are_compared_sorted_and_shown_by_a_click(explorer: Explorer):
+    few = replace(explorer.state(), perturbation=Perturbation(points=100, outliers=75))  # some methods are slow
+    explorer.paste(encode(few))
     explorer.open_tab("Compare")
     explorer.press("Compare all methods")
     names = shipped_library().methods("bunny")

@@ -9,6 +9,8 @@ from ido_viz.core.state import LAST, State
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
+SLOWLY = 0.02  # of the slider: two iterations a second
+
 
 def test_a_new_page_plays_by_itself_to_the_end(open_explorer: OpenExplorer):
     explorer = open_explorer(State(speed=60))
@@ -20,7 +22,7 @@ def test_a_new_page_plays_by_itself_to_the_end(open_explorer: OpenExplorer):
 
 def test_play_moves_the_iteration_pauses_and_ends_by_button_and_key(at_the_start: Explorer):
     explorer = at_the_start
-    explorer.drag("Speed", 0.2)
+    explorer.drag("Speed", SLOWLY)
     explorer.press("Play (P)")
     explorer.wait_until("two iterations", lambda: explorer.iteration() >= 2)
     assert explorer.is_playing()
@@ -42,7 +44,7 @@ def test_play_moves_the_iteration_pauses_and_ends_by_button_and_key(at_the_start
 
 def test_play_at_the_end_starts_again(explorer: Explorer):
     assert explorer.iteration() == explorer.last_iteration()
-    explorer.drag("Speed", 0.2)
+    explorer.drag("Speed", SLOWLY)
     explorer.press("Play (P)")
     explorer.wait_until("the beginning", lambda: explorer.iteration() < 5)
     assert explorer.is_playing()

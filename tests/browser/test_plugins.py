@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from ido.types import FloatArray
 from ido_viz.app import App
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.run import compute
-from ido_viz.core.state import State
+from ido_viz.core.state import encode
 
 EXAMPLE = Path(__file__).parents[2] / "assets" / "examples" / "04_own_method.py"
 PERSONAL = "Point to plane"
@@ -41,24 +41,18 @@ def library() -> Library:
     return shipped_library().with_methods({PERSONAL: find_class(f"{EXAMPLE}:PointToPlane"), "Broken": Broken})
 
 
-@pytest.fixture
-def open_own(library: Library, context: BrowserContext) -> Iterator[Callable[[State], Explorer]]:
-    opened: list[Explorer] = []
-
-    def open_page(state: State) -> Explorer:
-        page = new_page(context)
-        opened.append(Explorer(App(state, library=library, port=0), page))
-        return opened[-1].open()
-
-    yield open_page
-    for explorer in opened:
-        explorer.page.close()
-        explorer.app.stop()
-    assert [error for explorer in opened for error in explorer.errors] == []
+@pytest.fixture(scope="module")
+def explorer(library: Library, context: BrowserContext) -> Iterator[Explorer]:
+    """A page that begins with the example's own method."""
+    app = App(replace(AT_THE_START, left=PERSONAL), library=library, port=0)
+    explorer = Explorer(app, new_page(context)).open()
+    yield explorer
+    explorer.page.close()
+    app.stop()
+    assert explorer.errors == []
 
 
-def test_an_own_method_is_shown_stepped_and_follows_the_scene(open_own: Callable[[State], Explorer], library: Library):
-    explorer = open_own(replace(AT_THE_START, left=PERSONAL))
+def test_an_own_method_is_shown_stepped_and_follows_the_scene(explorer: Explorer, library: Library):
 
     def agrees() -> bool:
         side, k = compute(explorer.state(), library).sides[0], explorer.iteration()
@@ -77,8 +71,8 @@ def test_an_own_method_is_shown_stepped_and_follows_the_scene(open_own: Callable
     assert explorer.chart_ink(0) > 0
 
 
-def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(open_own: Callable[[State], Explorer]):
-    explorer = open_own(replace(AT_THE_START, left="Broken"))
+def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(explorer: Explorer):
+    explorer.paste(encode(replace(AT_THE_START, left="Broken")))
     trace = explorer.page.locator(".trace")
     trace.wait_for()
     text = trace.inner_text()

@@ -32,8 +32,7 @@ ARROW = np.array([0.5, 0.0, 0.0])  # beyond the rings
 
 def on_screen(explorer: Explorer, point: FloatArray) -> tuple[float, float]:
     """Where a point of the 3D view is in the window, pixels."""
-    (client,) = explorer.app.server.get_clients().values()
-    camera, canvas = client.camera, box_of(explorer.canvas())
+    camera, canvas = explorer.client().camera, box_of(explorer.canvas())
     x, y, depth = Rotation.from_quat(camera.wxyz, scalar_first=True).inv().apply(point - np.asarray(camera.position))
     scale = canvas["height"] / 2 / np.tan(camera.fov / 2) / depth
     return canvas["x"] + canvas["width"] / 2 + scale * x, canvas["y"] + canvas["height"] / 2 + scale * y
@@ -41,8 +40,8 @@ def on_screen(explorer: Explorer, point: FloatArray) -> tuple[float, float]:
 
 def both_panes_fit(explorer: Explorer) -> bool:
     """Whether both panes are seen whole and from their front."""
-    (client,) = explorer.app.server.get_clients().values()
-    way = np.asarray(client.camera.position) - np.asarray(client.camera.look_at)
+    camera = explorer.client().camera
+    way = np.asarray(camera.position) - np.asarray(camera.look_at)
     corners = [np.array([offset + x, 0, z]) for offset in PANE_OFFSETS for x in (-1, 1) for z in (-1, 1)]
     places, canvas = np.array([on_screen(explorer, corner) for corner in corners]), box_of(explorer.canvas())
     low = np.array([canvas["x"], canvas["y"]])

@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import Any, get_args
 
 import numpy as np
+import viser
 from PIL import Image
 from playwright.sync_api import BrowserContext, FloatRect, Locator, Page, TimeoutError, ViewportSize
 
@@ -180,13 +181,19 @@ class Explorer:
         deadline = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < deadline, f"waited in vain for: {what}"
-            self.pause(30)
+            self.pause(50)
 
     def pause(self, milliseconds: int = BETWEEN_CONTROLS) -> None:
         """Wait as people do between two controls."""
         self.page.wait_for_timeout(milliseconds)
 
     # What can be seen
+
+    def client(self) -> viser.ClientHandle:
+        """The page as its server knows it, once those of tests before are gone."""
+        self.wait_until("no other page", lambda: len(self.app.server.get_clients()) == 1)
+        (client,) = self.app.server.get_clients().values()
+        return client
 
     def numbers(self) -> Numbers:
         """What the readout says."""
