@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SELDOM_DRAWN, SMALL, Explorer, OpenExplorer, new_page
-from playwright.sync_api import BrowserContext, sync_playwright
+from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, new_page
+from playwright.sync_api import Browser, sync_playwright
 
 from ido_viz import requests
 from ido_viz.app import App
@@ -37,16 +37,13 @@ def chromium() -> str | None:
 
 
 @pytest.fixture(scope="session")
-def context() -> Iterator[BrowserContext]:
-    """The browser."""
+def browser() -> Iterator[Browser]:
     executable = chromium()
     if executable is None:
         pytest.skip("no Chromium: install it, or give its path in the environment variable CHROMIUM")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=executable, args=FLAGS)
-        context = browser.new_context(ignore_https_errors=True)
-        context.add_init_script(SELDOM_DRAWN)
-        yield context
+        yield browser
         browser.close()
 
 
@@ -72,12 +69,12 @@ def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def open_explorer(context: BrowserContext, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
+def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
     """Opens new pages that begin with a state, by default at the end of a registration and not playing."""
     opened: list[Explorer] = []
 
     def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
-        opened.append(new_explorer(app_for(state), context, size))
+        opened.append(new_explorer(app_for(state), browser, size))
         return opened[-1].open() if wait else opened[-1]
 
     yield open_page
@@ -87,8 +84,8 @@ def open_explorer(context: BrowserContext, app_for: Callable[[State], App]) -> I
     assert errors == []
 
 
-def new_explorer(app: App, context: BrowserContext, size: tuple[int, int]) -> Explorer:
-    return Explorer(app, new_page(context, size))
+def new_explorer(app: App, browser: Browser, size: tuple[int, int]) -> Explorer:
+    return Explorer(app, new_page(browser, size))
 
 
 @pytest.fixture(scope="session")
@@ -98,11 +95,9 @@ def kept_pages() -> list[Explorer]:
 
 
 @pytest.fixture
-def explorer(
-    context: BrowserContext, app_for: Callable[[State], App], kept_pages: list[Explorer]
-) -> Iterator[Explorer]:
+def explorer(browser: Browser, app_for: Callable[[State], App], kept_pages: list[Explorer]) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
-    kept = kept_pages.pop() if kept_pages else new_explorer(app_for(AT_THE_END), context, SMALL).open()
+    kept = kept_pages.pop() if kept_pages else new_explorer(app_for(AT_THE_END), browser, SMALL).open()
     yield kept
     try:
         assert kept.errors == []

@@ -11,13 +11,13 @@ import nbformat
 import pytest
 from explorer import new_page
 from nbclient import NotebookClient
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import Browser
 
 NOTEBOOK = Path(__file__).parents[2] / "assets" / "examples" / "07_notebook.ipynb"
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_the_example_notebook_shows_the_explorer_in_its_cells(context: BrowserContext):
+def test_the_example_notebook_shows_the_explorer_in_its_cells(browser: Browser):
     notebook = nbformat.read(NOTEBOOK, as_version=4)
     client = NotebookClient(notebook, timeout=120)
     shown = 0
@@ -29,7 +29,7 @@ def test_the_example_notebook_shows_the_explorer_in_its_cells(context: BrowserCo
             thread.submit(client.execute_cell, cell, number).result()
             for output in cell.outputs:
                 if "text/html" in output.get("data", {}):
-                    expect_an_explorer(context, output["data"]["text/html"], first=shown == 0)
+                    expect_an_explorer(browser, output["data"]["text/html"], first=shown == 0)
                     shown += 1
         thread.submit(kernel.close).result()
     assert shown == 2
@@ -37,8 +37,8 @@ def test_the_example_notebook_shows_the_explorer_in_its_cells(context: BrowserCo
     assert re.search(r"^DO: .* PointAcc \d\.\d\d\nImproved DO: .* PointAcc", printed)
 
 
-def expect_an_explorer(context: BrowserContext, cell: str, *, first: bool) -> None:
-    page = new_page(context, (1300, 900))
+def expect_an_explorer(browser: Browser, cell: str, *, first: bool) -> None:
+    page = new_page(browser, (1300, 900))
     page.set_content(f"<body>{cell}</body>")
     frame = page.frame_locator("iframe")
     frame.get_by_role("row", name="PointRMSE").wait_for(timeout=60_000)

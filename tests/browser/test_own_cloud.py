@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from explorer import AT_THE_START, Explorer, new_page
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import Browser, expect
 
 from ido import Cloud
 from ido_viz.app import App
@@ -19,11 +19,11 @@ NAME = "<b>half bunny</b>"
 
 
 @pytest.fixture
-def explorer(context: BrowserContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Explorer]:
+def explorer(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Explorer]:
     """A page whose quick training is very quick."""
     monkeypatch.setitem(PLANS, "quick", Plan(20.0, 3, 100))
     app = App(replace(AT_THE_START, dark=True), port=0, data=tmp_path / "data")
-    page = new_page(context)
+    page = new_page(browser)
     explorer = Explorer(app, page)
     yield explorer.open()
     page.close()

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from explorer import AT_THE_START, Explorer, new_page
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import Browser
 
 from ido import Cloud
 from ido.extensions import find_class
@@ -42,10 +42,10 @@ def library() -> Library:
 
 
 @pytest.fixture(scope="module")
-def explorer(library: Library, context: BrowserContext) -> Iterator[Explorer]:
+def explorer(library: Library, browser: Browser) -> Iterator[Explorer]:
     """A page that begins with the example's own method."""
     app = App(replace(AT_THE_START, left=PERSONAL), library=library, port=0)
-    explorer = Explorer(app, new_page(context)).open()
+    explorer = Explorer(app, new_page(browser)).open()
     yield explorer
     explorer.page.close()
     app.stop()

@@ -17,7 +17,7 @@ from urllib.parse import quote
 import pytest
 from explorer import new_page
 from headless import HeadlessTab, run
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import Browser
 
 from ido_viz.app import App
 from ido_viz.core.state import State, encode
@@ -128,10 +128,10 @@ def test_a_file_comes_through(proxy: Proxy):
     assert run(take_along()) == ["ido-bunny-0.csv"]
 
 
-def test_a_browser_finds_its_page_by_the_prefix_and_again_after_a_reload(proxy: Proxy, context: BrowserContext):
+def test_a_browser_finds_its_page_by_the_prefix_and_again_after_a_reload(proxy: Proxy, browser: Browser):
     proxy.wait_for(0, 0)
     state = State(left="ICP, tuned", iteration=3, playing=False)
-    page = new_page(context)
+    page = new_page(browser, ignore_https_errors=True)
     try:
         page.goto(f"{proxy.address}#state={quote(encode(state))}")
         page.get_by_role("row", name="PointRMSE").wait_for()

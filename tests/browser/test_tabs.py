@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from explorer import AT_THE_END, Explorer, OpenExplorer, new_page
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import Browser
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
@@ -46,9 +46,9 @@ def test_ten_tabs_at_once_get_ready_and_are_freed_when_closed(open_explorer: Ope
     tabs[0].wait_until("the last freed session", lambda: app.n_sessions == 0)
 
 
-def test_tabs_closed_before_they_are_ready_are_freed(context: BrowserContext, explorer: Explorer):
+def test_tabs_closed_before_they_are_ready_are_freed(browser: Browser, explorer: Explorer):
     for patience in (0, 100, 400):
-        page = new_page(context)
+        page = new_page(browser)
         page.goto(explorer.app.url)
         page.wait_for_timeout(patience)
         page.close()

@@ -14,7 +14,7 @@ from typing import Any, get_args
 import numpy as np
 import viser
 from PIL import Image
-from playwright.sync_api import BrowserContext, FloatRect, Locator, Page, TimeoutError, ViewportSize
+from playwright.sync_api import Browser, FloatRect, Locator, Page, TimeoutError, ViewportSize
 
 from ido_viz.app import App
 from ido_viz.core.address import read_fragment
@@ -406,10 +406,10 @@ class Explorer:
         return self.heatmaps().evaluate_all("images => images.map(image => image.src)")
 
 
-def new_page(context: BrowserContext, size: tuple[int, int] = SMALL) -> Page:
-    """A new page of so many pixels."""
-    page = context.new_page()
-    page.set_viewport_size(ViewportSize(width=size[0], height=size[1]))
+def new_page(browser: Browser, size: tuple[int, int] = SMALL, **options: Any) -> Page:
+    """A new page of so many pixels, whose 3D scene is drawn for pictures alone."""
+    page = browser.new_page(viewport=ViewportSize(width=size[0], height=size[1]), **options)
+    page.add_init_script(SELDOM_DRAWN)
     return page
 
 
