@@ -74,9 +74,16 @@ SELDOM_DRAWN = """for (const of of [WebGLRenderingContext, WebGL2RenderingContex
         if (draw) of.prototype[name] = function (...given) { if (window.lookedAt) draw.apply(this, given); };
     }
 const nextFrame = requestAnimationFrame;
-window.requestAnimationFrame = draw => setTimeout(() => nextFrame(draw), 40);
-window.cancelAnimationFrame = clearTimeout;"""
-"""A page's 3D scene without its pixels, and seldom: drawn in software, it took most of the time of a browser test."""
+const resting = [];
+window.requestAnimationFrame = draw =>
+    window.atRest ? (resting.push(draw), 0) : setTimeout(() => nextFrame(draw), 40);
+window.cancelAnimationFrame = clearTimeout;
+window.rest = atRest => {
+    window.atRest = atRest;
+    if (!atRest) resting.splice(0).forEach(draw => nextFrame(draw));
+};"""
+"""A page's 3D scene without its pixels, and seldom: drawn in software, it took most of the time of a browser test. Between
+tests the page is at rest and costs nothing."""
 
 LOOK = """() => new Promise(seen => {
     window.lookedAt = true;
@@ -170,6 +177,10 @@ class Explorer:
     def go_to(self, fragment: str) -> None:
         """Lead the open page to another fragment, as one that is pasted into its address does."""
         self.page.evaluate("fragment => location.hash = fragment", fragment)
+
+    def rest(self, at_rest: bool) -> None:
+        """Let the page cost nothing until it is used again, or use it again."""
+        self.page.evaluate("atRest => rest(atRest)", at_rest)
 
     def wait_ready(self) -> Explorer:
         """Wait until the page shows a run."""
