@@ -97,12 +97,8 @@ def kept_pages() -> list[Explorer]:
 @pytest.fixture
 def explorer(browser: Browser, app_for: Callable[[State], App], kept_pages: list[Explorer]) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
-<<<<<<< Updated upstream
     kept = kept_pages.pop() if kept_pages else new_explorer(app_for(AT_THE_END), browser, SMALL).open()
-=======
-    kept = kept_pages.pop() if kept_pages else new_explorer(app_for(AT_THE_END), context, SMALL).open()
     kept.rest(False)
->>>>>>> Stashed changes
     yield kept
     try:
         assert kept.errors == []

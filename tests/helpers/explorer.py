@@ -82,8 +82,8 @@ window.rest = atRest => {
     window.atRest = atRest;
     if (!atRest) resting.splice(0).forEach(draw => nextFrame(draw));
 };"""
-"""A page's 3D scene without its pixels, and seldom: drawn in software, it took most of the time of a browser test. Between
-tests the page is at rest and costs nothing."""
+"""A page's 3D scene without its pixels, and seldom: drawn in software, it took most of the time of a browser test.
+Between tests the page is at rest and costs nothing."""
 
 LOOK = """() => new Promise(seen => {
     window.lookedAt = true;
