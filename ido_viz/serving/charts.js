@@ -33,20 +33,22 @@
 
 // A chart is made before it has a width, and gets width and new data at once. uPlot's `setSize` asks for new axes and
 // its `redraw`, which the data cause, forgets that again: the axes stay those of no width, without names and dividers. So
-// the first redraw of a size has new axes, too. viser keeps its charts for tests of its own; that is where they can be reached.
+// a redraw has new axes, too. viser keeps its charts for tests of its own; that is where they can be reached.
 (() => {
+  const CALM = 200; // milliseconds
   const charts = {};
   const kept = new Proxy(charts, {
     set(all, uuid, entry) {
       const { chart } = entry;
       const redraw = chart.redraw;
-      let drawn = "";
       // before its first drawing its scale waits to be set, and a redraw of its paths would set it to nothing
-      chart.redraw = (paths) => {
-        const size = `${chart.width} ${chart.height}`;
-        redraw(chart.scales.x.min == null ? false : paths, size !== drawn);
-        drawn = size;
-      };
+      chart.redraw = (paths) => redraw(chart.scales.x.min == null ? false : paths, true);
+      // and once more when its size has come to rest, for there may be no data after it
+      let rest;
+      new ResizeObserver(() => {
+        clearTimeout(rest);
+        rest = setTimeout(() => chart.root.isConnected && chart.width > 0 && chart.redraw(false), CALM);
+      }).observe(chart.root);
       all[uuid] = entry;
       return true;
     },

@@ -1,4 +1,4 @@
-"""One browser for all tests, and a page's own errors fail its test."""
+"""One browser for all tests, one page for each, and a page's own errors fail its test."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, new_page
-from playwright.sync_api import Browser, sync_playwright
+from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, page_without_3d
+from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz import requests
 from ido_viz.app import App
@@ -69,12 +69,18 @@ def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator[OpenExplorer]:
+def draws(request: pytest.FixtureRequest) -> bool:
+    """Whether the test sees the 3D scene: that takes time."""
+    return request.node.get_closest_marker("looks_at_canvas") is not None
+
+
+@pytest.fixture
+def open_explorer(browser: Browser, app_for: Callable[[State], App], draws: bool) -> Iterator[OpenExplorer]:
     """Opens new pages that begin with a state, by default at the end of a registration and not playing."""
     opened: list[Explorer] = []
 
     def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
-        opened.append(new_explorer(app_for(state), browser, size))
+        opened.append(new_page(app_for(state), browser, size, draws))
         return opened[-1].open() if wait else opened[-1]
 
     yield open_page
@@ -84,30 +90,35 @@ def open_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator
     assert errors == []
 
 
-def new_explorer(app: App, browser: Browser, size: tuple[int, int]) -> Explorer:
-    return Explorer(app, new_page(browser, size))
+def new_page(app: App, browser: Browser, size: tuple[int, int], draws: bool) -> Explorer:
+    viewport = ViewportSize(width=size[0], height=size[1])
+    page = browser.new_page(viewport=viewport) if draws else page_without_3d(browser, viewport=viewport)
+    return Explorer(app, page)
 
 
 @pytest.fixture(scope="session")
-def kept_pages() -> list[Explorer]:
-    """The page that tests use one after another, while no test has it."""
-    return []
+def kept_pages() -> Iterator[dict[bool, Explorer]]:
+    """The pages that tests use one after another, each of an app of its own, by whether they draw."""
+    pages: dict[bool, Explorer] = {}
+    yield pages
+    for explorer in pages.values():
+        explorer.app.stop()
 
 
 @pytest.fixture
-def explorer(browser: Browser, app_for: Callable[[State], App], kept_pages: list[Explorer]) -> Iterator[Explorer]:
+def explorer(browser: Browser, kept_pages: dict[bool, Explorer], draws: bool) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
-    kept = kept_pages.pop() if kept_pages else new_explorer(app_for(AT_THE_END), browser, SMALL).open()
-    kept.rest(False)
+    kept = kept_pages.pop(draws, None)  # a test that fails keeps it from the next
+    if kept is None:
+        kept = new_page(App(AT_THE_END, port=0), browser, SMALL, draws).open()
+    elif not draws:
+        kept.rest(False)
     yield kept
-    try:
-        assert kept.errors == []
-        kept.put_back(AT_THE_END)
+    assert kept.errors == []
+    kept.put_back(AT_THE_END)
+    if not draws:
         kept.rest(True)
-    except BaseException:  # it is of no use to the next test, whose app it would share
-        kept.page.close()
-        raise
-    kept_pages.append(kept)
+    kept_pages[draws] = kept
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import io
 from dataclasses import replace
 from urllib.parse import quote
 
-import numpy as np
+import pytest
 import zxingcpp
 from explorer import AT_THE_END, Explorer, OpenExplorer
 from PIL import Image
@@ -26,7 +26,6 @@ ELSEWHERE = State(
     replay=False,
 )
 AWAY = "The explorer is not running"
-CALM = 300  # milliseconds
 
 
 def state_of(explorer: Explorer) -> State | None:
@@ -57,36 +56,32 @@ def test_an_address_opens_exactly_its_page_which_is_there_again_after_a_reload(o
     assert explorer.expect_to_agree() == expected == state_of(explorer)
 
 
-def test_the_address_follows_in_few_steps(explorer: Explorer):
-    explorer.page.evaluate("""() => {
-        window.replaced = [];
-        history.replaceState = function (...given) {
-            window.replaced.push(performance.now());
-            return History.prototype.replaceState.apply(this, given);
-        };
-    }""")
+def test_the_address_follows_in_few_steps(open_explorer: OpenExplorer):
+    explorer = open_explorer(wait=False)
+    explorer.page.add_init_script(
+        "const replace = history.replaceState; window.replaced = 0;"
+        "history.replaceState = function (...given) { window.replaced += 1; return replace.apply(this, given); }"
+    )
+    explorer.open()
+    expect_address(explorer, AT_THE_END)
+    before = explorer.page.evaluate("window.replaced")
     for _ in range(3):
         explorer.drag("Rotation", 0.2, 0.6, steps=40)
     explorer.wait_until("the last place", lambda: explorer.state() == state_of(explorer) != AT_THE_END)
-    times = explorer.page.evaluate("delete history.replaceState && window.replaced")
-    assert len(times) > 0
-    assert all(np.diff(times) > CALM), "browsers refuse to change an address many times a second"
+    assert explorer.page.evaluate("window.replaced") - before < 30
 
 
-def test_the_address_is_kept_where_the_share_folder_is_hidden(explorer: Explorer):
+def test_the_address_is_kept_where_the_share_folder_is_hidden(open_explorer: OpenExplorer):
     hidden = replace(AT_THE_END, hidden=("share",))
-    explorer.go_to(f"state={encode(hidden)}")
-    explorer.expect_numbers(hidden)
+    explorer = open_explorer(hidden)
+    expect_address(explorer, hidden)
     explorer.press("First (R)")
     expect_address(explorer, replace(hidden, iteration=0))
-    explorer.field("State").wait_for(state="hidden")
-    explorer.go_to(f"state={encode(AT_THE_END)}")
-    explorer.field("State").wait_for()
 
 
 def test_another_fragment_in_an_open_page_leads_to_its_page_and_back_to_the_one_before(explorer: Explorer):
     expect_address(explorer, AT_THE_END)
-    explorer.go_to(f"state={encode(ELSEWHERE)}")
+    explorer.page.evaluate("hash => location.hash = hash", f"state={encode(ELSEWHERE)}")
     explorer.expect_numbers(ELSEWHERE)
     assert explorer.expect_to_agree() == ELSEWHERE
     explorer.page.go_back()
@@ -94,8 +89,9 @@ def test_another_fragment_in_an_open_page_leads_to_its_page_and_back_to_the_one_
     expect_address(explorer, AT_THE_END)
 
 
-def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(explorer: Explorer):
-    explorer.go_to("lesson=histogram/2")
+def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(open_explorer: OpenExplorer):
+    explorer = open_explorer(wait=False)
+    open_at(explorer, "lesson=histogram/2")
     count = explorer.page.get_by_text(f"Step 2 of {len(lesson('histogram').steps)}")
     count.wait_for()
     explorer.press("New seed")
@@ -111,22 +107,24 @@ def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(explo
     explorer.wait_until("the page's own state", lambda: state_of(explorer) == explorer.state() != expected)
 
 
-def test_a_bad_address_opens_the_page_with_its_defaults_and_says_what_is_wrong(open_explorer: OpenExplorer):
-    explorer = open_explorer(wait=False)
-    for fragment, message in (
-        ("state=" + "a" * 50_000, "more than 2000 characters"),
+@pytest.mark.parametrize(
+    ("fragment", "message"),
+    [
         ("state=" + quote("<img src=x onerror=alert(1)>"), "a code starts with"),
         ("state=ido1-damaged", "damaged"),
         ("lesson=" + quote("<b>none"), "unknown lesson '<b>none'"),
-    ):
-        open_at(explorer, fragment)  # the first loads the page, the others lead the open one elsewhere
-        explorer.wait_until("the message", lambda message=message: message in " ".join(explorer.notifications()))
-        assert "This address cannot be used" in explorer.notifications()[-1]
-        explorer.expect_numbers(AT_THE_END)
-        expect_address(explorer, AT_THE_END)
-        explorer.close_notifications()
-        explorer.press("First (R)")
-        expect_address(explorer, replace(AT_THE_END, iteration=0))
+        ("state=" + "a" * 50_000, "more than 2000 characters"),
+    ],
+)
+def test_a_bad_address_opens_the_page_with_its_defaults_and_says_what_is_wrong(
+    open_explorer: OpenExplorer, fragment: str, message: str
+):
+    explorer = open_explorer(wait=False)
+    open_at(explorer, fragment)
+    explorer.wait_until("a message", explorer.notifications)
+    assert "This address cannot be used" in explorer.notifications()[0] and message in explorer.notifications()[0]
+    explorer.expect_numbers(AT_THE_END)
+    expect_address(explorer, AT_THE_END)
 
 
 def test_an_address_cannot_lead_the_page_to_another_server(open_explorer: OpenExplorer):
@@ -188,21 +186,21 @@ def test_a_tick_just_made_is_in_the_link_that_is_copied(explorer: Explorer):
     assert decode(read_fragment(link.partition("#")[2]).code).hidden == ("scene",)
 
 
-def test_code_and_link_of_a_playing_page_are_those_of_what_is_shown(explorer: Explorer):
+def test_code_and_link_of_a_playing_page_are_those_of_what_is_shown(open_explorer: OpenExplorer):
     playing = State(speed=1)
-    explorer.paste(encode(playing))
+    explorer = open_explorer(playing)
     expect_address(explorer, playing)
-    assert decode(explorer.code()) == playing
+    assert explorer.state() == playing
     value = explorer.drag("Noise", 0.7)
     expected = replace(playing, perturbation=replace(playing.perturbation, noise=value))
-    explorer.wait_until("the code", lambda: decode(explorer.code()) == expected)
+    explorer.wait_until("the code", lambda: explorer.state() == expected)
     assert explorer.is_playing()
     assert decode(read_fragment(copied(explorer).partition("#")[2]).code) == expected
     expect_address(explorer, expected)
 
 
-def test_a_class_scans_the_address_that_others_can_open(explorer: Explorer, open_explorer: OpenExplorer):
-    only_here, lecturer = explorer, open_explorer(wait=False)
+def test_a_class_scans_the_address_that_others_can_open(open_explorer: OpenExplorer):
+    only_here, lecturer = open_explorer(), open_explorer(wait=False)
     only_here.press("QR code")
     reason = only_here.page.get_by_text("Only this machine can open this page")
     reason.wait_for()
@@ -230,9 +228,11 @@ def test_a_class_scans_the_address_that_others_can_open(explorer: Explorer, open
         app.stop()
 
 
-def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(explorer: Explorer):
+def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(open_explorer: OpenExplorer):
     """As on an address without encryption that is not the machine's own."""
-    explorer.page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined, configurable: true})")
+    explorer = open_explorer(wait=False)
+    explorer.page.add_init_script("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
+    explorer.open()
     explorer.press("Back (B)")
     explorer.wait_until("its address", lambda: state_of(explorer) not in (None, AT_THE_END))
     explorer.press("Copy link")
@@ -242,4 +242,3 @@ def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(explore
     field.focus()
     explorer.page.keyboard.press("Control+V")
     assert field.input_value() == explorer.page.url
-    field.evaluate("field => { field.remove(); delete navigator.clipboard; }")

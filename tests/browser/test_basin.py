@@ -5,21 +5,20 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from explorer import AT_THE_END, Explorer
+from explorer import AT_THE_END, OpenExplorer
 
 from ido import Perturbation
 from ido_viz.core.basin import start_of
 from ido_viz.core.library import shipped_library
-from ido_viz.core.state import encode
 
 SMALL_SCENE = Perturbation(points=100, outliers=0, seed=3)
 STATE = replace(AT_THE_END, perturbation=SMALL_SCENE, left="DO", right="Global", max_iterations=40)
 NUMBER = 140  # turned by 150°
 
 
-def test_a_basin_fills_and_a_click_begins_there(explorer: Explorer):
-    explorer.paste(encode(STATE))
-    explorer.page.get_by_text(re.compile(r"\d+% sure")).first.wait_for()
+def test_a_basin_fills_and_a_click_begins_there(open_explorer: OpenExplorer):
+    explorer = open_explorer(STATE)
+    explorer.wait_until("how sure it is", lambda: re.search(r"\d+% sure", explorer.page.inner_text("body")))
     explorer.open_tab("Basin")
     explorer.press("Map the basin")
     first, second = (explorer.page.locator("svg.basin").nth(number) for number in (0, 1))

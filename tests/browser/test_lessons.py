@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import get_args
 
-from explorer import Explorer
+from explorer import Explorer, OpenExplorer
 
 from ido_viz.core.state import State
 from ido_viz.teach.lessons import Tab, lesson
@@ -106,7 +106,8 @@ def test_nothing_plays_before_a_guess(explorer: Explorer):
     explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
 
 
-def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(explorer: Explorer):
+def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(open_explorer: OpenExplorer):
+    explorer = open_explorer()
     moved = [camera_turns(explorer)]
     explorer.choose("Lesson", lesson("maps").title)
     explorer.pause(500)
@@ -153,7 +154,7 @@ def test_a_scene_of_the_training_comes_unrounded(explorer: Explorer):
 
 def camera_turns(explorer: Explorer) -> bool:
     """Whether holding an arrow turns the camera; the server is told of each of its moves."""
-    client = explorer.client()
+    (client,) = explorer.app.server.get_clients().values()
     explorer.pause(300)
     before = client.camera.position
     explorer.page.evaluate("document.activeElement.blur()")

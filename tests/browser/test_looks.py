@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, like
+from PIL import Image
 
 from ido import RANGES
 from ido_viz.core import palette
 from ido_viz.core.state import encode
 
-pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+pytestmark = [
+    pytest.mark.looks_at_canvas,
+    pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning"),
+]
 COLORS = [palette.method_color(name) for name in (AT_THE_START.left, AT_THE_START.right)]
 DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
@@ -186,7 +191,7 @@ def test_every_tab_of_the_charts_shows_something(at_the_start: Explorer):
 
 def brightness(explorer: Explorer) -> float:
     """Median brightness of the whole page."""
-    return float(np.median(np.asarray(explorer.picture().convert("L"))))
+    return float(np.median(np.asarray(Image.open(io.BytesIO(explorer.page.screenshot())).convert("L"))))
 
 
 def test_dark_and_light_again(explorer: Explorer):
@@ -226,23 +231,21 @@ DIVISIONS = """canvas => {
 """How many lines go through a chart from below to above, and whether something is written below it."""
 
 
-def see_names_and_dividers(explorer: Explorer, *counts: int) -> None:
-    """Wait until each histogram has its names and the lines between so many sides."""
-    for number, sides in enumerate(counts):
+@pytest.mark.parametrize(("right", "of_right"), [("Improved DO", 6), ("Global", 2)])
+def test_a_fresh_page_s_histograms_have_their_names_and_dividers(
+    open_explorer: OpenExplorer, right: str, of_right: int
+):
+    explorer = open_explorer(replace(AT_THE_END, right=right))  # beside Global, which takes a while, they had none
+    for number, sides in enumerate((2, of_right)):
         explorer.wait_until(
             f"{sides - 1} lines between {sides} sides, and two at the ends",
             lambda number=number, sides=sides: explorer.charts().nth(number).evaluate(DIVISIONS) == [sides + 1, True],
         )
 
 
-def test_a_fresh_page_s_histograms_have_their_names_and_dividers_beside_a_slow_method(open_explorer: OpenExplorer):
-    see_names_and_dividers(open_explorer(replace(AT_THE_END, right="Global")), 2, 2)
-
-
 @pytest.mark.parametrize("size", DESKTOPS, ids=lambda size: f"{size[0]}x{size[1]}")
 def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplorer, size: tuple[int, int]):
     explorer = open_explorer(AT_THE_START, size)
-    see_names_and_dividers(explorer, 2, 6)
     see_both_panes(explorer)
     width, height = size
     canvas = box_of(explorer.canvas())

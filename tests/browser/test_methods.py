@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
+import pytest
 from explorer import Explorer, box_of
 
-from ido import Perturbation
 from ido_viz.core.library import shipped_library
-from ido_viz.core.state import encode
 from ido_viz.panels.compare_tab import COLUMNS
 
 
@@ -29,8 +26,6 @@ def test_a_baseline_registers_steps_and_follows_a_slider(explorer: Explorer):
 
 
 def test_all_methods_are_compared_sorted_and_shown_by_a_click(explorer: Explorer):
-    few = replace(explorer.state(), perturbation=Perturbation(points=100, outliers=75))  # some methods are slow
-    explorer.paste(encode(few))
     explorer.open_tab("Compare")
     explorer.press("Compare all methods")
     names = shipped_library().methods("bunny")
@@ -50,7 +45,7 @@ def test_all_methods_are_compared_sorted_and_shown_by_a_click(explorer: Explorer
     explorer.wait_until("the method of the row", lambda: explorer.methods()[1] == "GMMReg, tuned")
     explorer.expect_to_agree()
     explorer.press("New seed")
-    explorer.page.get_by_text("The scene has changed since").wait_for()
+    explorer.page.get_by_text("The scene has changed since: compare").wait_for()
 
 
 def table(explorer: Explorer) -> list[str]:
@@ -77,6 +72,7 @@ def test_a_scene_of_the_shipped_results_is_opened(explorer: Explorer):
     assert abs(float(accuracy) - float(scene.split()[-1].rstrip(")"))) <= 0.02
 
 
+@pytest.mark.looks_at_canvas
 def test_a_model_point_is_picked_by_a_click_and_looked_into(explorer: Explorer):
     explorer.open_tab("Inspect")
     explorer.choose("Its question", "up / down")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from explorer import AT_THE_START, Explorer, new_page
-from playwright.sync_api import Browser, expect
+from explorer import AT_THE_START, SMALL, Explorer, page_without_3d
+from playwright.sync_api import Browser, ViewportSize, expect
 
 from ido import Cloud
 from ido_viz.app import App
@@ -23,7 +23,7 @@ def explorer(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     """A page whose quick training is very quick."""
     monkeypatch.setitem(PLANS, "quick", Plan(20.0, 3, 100))
     app = App(replace(AT_THE_START, dark=True), port=0, data=tmp_path / "data")
-    page = new_page(browser)
+    page = page_without_3d(browser, viewport=ViewportSize(width=SMALL[0], height=SMALL[1]))
     explorer = Explorer(app, page)
     yield explorer.open()
     page.close()

@@ -7,9 +7,9 @@ from explorer import Explorer, OpenExplorer
 
 from ido_viz.core.state import LAST, State
 
-pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
-
 SLOWLY = 0.02  # of the slider: two iterations a second
+
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
 
 def test_a_new_page_plays_by_itself_to_the_end(open_explorer: OpenExplorer):

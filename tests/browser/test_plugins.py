@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from explorer import AT_THE_START, Explorer, new_page
-from playwright.sync_api import Browser
+from explorer import AT_THE_START, Explorer, page_without_3d
+from playwright.sync_api import Browser, ViewportSize
 
 from ido import Cloud
 from ido.extensions import find_class
@@ -17,10 +17,11 @@ from ido.types import FloatArray
 from ido_viz.app import App
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.run import compute
-from ido_viz.core.state import encode
+from ido_viz.core.state import State
 
 EXAMPLE = Path(__file__).parents[2] / "assets" / "examples" / "04_own_method.py"
 PERSONAL = "Point to plane"
+WINDOW = ViewportSize(width=1200, height=700)  # software rendering takes its time for each pixel
 
 
 class Broken:
@@ -41,18 +42,24 @@ def library() -> Library:
     return shipped_library().with_methods({PERSONAL: find_class(f"{EXAMPLE}:PointToPlane"), "Broken": Broken})
 
 
-@pytest.fixture(scope="module")
-def explorer(library: Library, browser: Browser) -> Iterator[Explorer]:
-    """A page that begins with the example's own method."""
-    app = App(replace(AT_THE_START, left=PERSONAL), library=library, port=0)
-    explorer = Explorer(app, new_page(browser)).open()
-    yield explorer
-    explorer.page.close()
-    app.stop()
-    assert explorer.errors == []
+@pytest.fixture
+def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], Explorer]]:
+    opened: list[Explorer] = []
+
+    def open_page(state: State) -> Explorer:
+        page = page_without_3d(browser, viewport=WINDOW)
+        opened.append(Explorer(App(state, library=library, port=0), page))
+        return opened[-1].open()
+
+    yield open_page
+    for explorer in opened:
+        explorer.page.close()
+        explorer.app.stop()
+    assert [error for explorer in opened for error in explorer.errors] == []
 
 
-def test_an_own_method_is_shown_stepped_and_follows_the_scene(explorer: Explorer, library: Library):
+def test_an_own_method_is_shown_stepped_and_follows_the_scene(open_own: Callable[[State], Explorer], library: Library):
+    explorer = open_own(replace(AT_THE_START, left=PERSONAL))
 
     def agrees() -> bool:
         side, k = compute(explorer.state(), library).sides[0], explorer.iteration()
@@ -71,8 +78,8 @@ def test_an_own_method_is_shown_stepped_and_follows_the_scene(explorer: Explorer
     assert explorer.chart_ink(0) > 0
 
 
-def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(explorer: Explorer):
-    explorer.paste(encode(replace(AT_THE_START, left="Broken")))
+def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(open_own: Callable[[State], Explorer]):
+    explorer = open_own(replace(AT_THE_START, left="Broken"))
     trace = explorer.page.locator(".trace")
     trace.wait_for()
     text = trace.inner_text()

@@ -65,8 +65,8 @@ def test_one_tab_s_code_gives_the_same_page_in_another(explorer: Explorer, open_
     assert other.numbers() == one.numbers()
 
 
-def test_a_page_with_a_map_that_its_methods_lack_appears_and_shows_their_last(explorer: Explorer):
-    explorer.go_to(f"state={encode(replace(AT_THE_END, pinned_map=40))}")
+def test_a_page_with_a_map_that_its_methods_lack_appears_and_shows_their_last(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_END, pinned_map=40))
     explorer.wait_until("the pinned maps", lambda: explorer.page.get_by_text("map 30 of 30 (pinned)").count() == 2)
     explorer.paste(encode(replace(AT_THE_END, pinned_map=1000)))
     explorer.expect_alive()

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, box_of, independent_run
+from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, independent_run
 from scipy.spatial.transform import Rotation
 
 from ido.types import FloatArray
@@ -32,7 +32,8 @@ ARROW = np.array([0.5, 0.0, 0.0])  # beyond the rings
 
 def on_screen(explorer: Explorer, point: FloatArray) -> tuple[float, float]:
     """Where a point of the 3D view is in the window, pixels."""
-    camera, canvas = explorer.client().camera, box_of(explorer.canvas())
+    (client,) = explorer.app.server.get_clients().values()
+    camera, canvas = client.camera, box_of(explorer.canvas())
     x, y, depth = Rotation.from_quat(camera.wxyz, scalar_first=True).inv().apply(point - np.asarray(camera.position))
     scale = canvas["height"] / 2 / np.tan(camera.fov / 2) / depth
     return canvas["x"] + canvas["width"] / 2 + scale * x, canvas["y"] + canvas["height"] / 2 + scale * y
@@ -40,8 +41,8 @@ def on_screen(explorer: Explorer, point: FloatArray) -> tuple[float, float]:
 
 def both_panes_fit(explorer: Explorer) -> bool:
     """Whether both panes are seen whole and from their front."""
-    camera = explorer.client().camera
-    way = np.asarray(camera.position) - np.asarray(camera.look_at)
+    (client,) = explorer.app.server.get_clients().values()
+    way = np.asarray(client.camera.position) - np.asarray(client.camera.look_at)
     corners = [np.array([offset + x, 0, z]) for offset in PANE_OFFSETS for x in (-1, 1) for z in (-1, 1)]
     places, canvas = np.array([on_screen(explorer, corner) for corner in corners]), box_of(explorer.canvas())
     low = np.array([canvas["x"], canvas["y"]])
@@ -67,8 +68,8 @@ def drag(explorer: Explorer, start: tuple[float, float], by: tuple[float, float]
     mouse.up()
 
 
-def test_a_scene_is_dragged_by_its_handle_and_brought_back(at_the_start: Explorer):
-    explorer = at_the_start
+def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenExplorer):
+    explorer = open_explorer(AT_THE_START)
     before = explorer.state()
     at = handle(explorer, 0, ARROW)
     drag(explorer, at, (60.0, 0.0))
@@ -114,8 +115,8 @@ def test_undo_and_redo_by_their_buttons(explorer: Explorer):
     assert explorer.slider_value("Rotation") == value
 
 
-def test_another_scene_is_played_from_its_start(explorer: Explorer):
-    explorer.show(replace(AT_THE_END, replay=True, speed=60))
+def test_another_scene_is_played_from_its_start(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_END, replay=True, speed=60))
     explorer.drag("Rotation", 0.2)
     explorer.wait_until("how it will end", lambda: all("will end" in text for text in explorer.verdicts()))
     assert explorer.iteration() == 0
@@ -124,8 +125,8 @@ def test_another_scene_is_played_from_its_start(explorer: Explorer):
     assert not any("will end" in text for text in explorer.verdicts())
 
 
-def test_nothing_moves_on_the_page_when_the_playing_ends(explorer: Explorer):
-    explorer.show(replace(AT_THE_START, speed=30))
+def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_START, speed=30))
     explorer.press("Play (P)")
     explorer.wait_until("some iterations", lambda: explorer.iteration() > 2)
     playing, places = explorer.is_playing(), explorer.page.evaluate(PLACES)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from explorer import AT_THE_END, Explorer, OpenExplorer, new_page
+from explorer import AT_THE_END, Explorer, OpenExplorer, page_without_3d
 from playwright.sync_api import Browser
+
+from ido_viz.app import App
+from ido_viz.core.state import State
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
 
-def test_two_tabs_do_not_disturb_each_other(explorer: Explorer, open_explorer: OpenExplorer):
-    one, other = explorer, open_explorer()
-    assert one.app is other.app
+def test_two_tabs_do_not_disturb_each_other(open_explorer: OpenExplorer):
+    one, other = open_explorer(), open_explorer()
     untouched = other.state()
     one.drag("Noise", 0.9)
     one.choose("Left pane", "Improved DO (as printed)")
@@ -46,13 +49,18 @@ def test_ten_tabs_at_once_get_ready_and_are_freed_when_closed(open_explorer: Ope
     tabs[0].wait_until("the last freed session", lambda: app.n_sessions == 0)
 
 
-def test_tabs_closed_before_they_are_ready_are_freed(browser: Browser, explorer: Explorer):
+def test_tabs_closed_before_they_are_ready_are_freed(
+    browser: Browser, app_for: Callable[[State], App], open_explorer: OpenExplorer
+):
+    state = replace(AT_THE_END, speed=29)  # an app of their own
+    app = app_for(state)
     for patience in (0, 100, 400):
-        page = new_page(browser)
-        page.goto(explorer.app.url)
+        page = page_without_3d(browser)
+        page.goto(app.url)
         page.wait_for_timeout(patience)
         page.close()
-    explorer.wait_until("no session but this one", lambda: explorer.app.n_sessions == 1)
+    explorer = open_explorer(state)
+    explorer.wait_until("no session but this one", lambda: app.n_sessions == 1)
     explorer.expect_alive()
 
 

@@ -12,12 +12,10 @@ from functools import lru_cache
 from typing import Any, get_args
 
 import numpy as np
-import viser
 from PIL import Image
-from playwright.sync_api import Browser, FloatRect, Locator, Page, TimeoutError, ViewportSize
+from playwright.sync_api import Browser, FloatRect, Locator, Page, TimeoutError
 
 from ido_viz.app import App
-from ido_viz.core.address import read_fragment
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import MethodRun, Run, compute
 from ido_viz.core.state import LAST, Part, State, decode, encode
@@ -60,19 +58,13 @@ COUNT_DRAWN_PIXELS = """canvas => {
     return data.filter((value, i) => i % 4 == 3 && value).length;
 }"""
 
-# Each is read at once: locators take their time, and tables are replaced many times a second
 READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
-)"""
-READ_OPEN_TABS = """() => [...document.querySelectorAll("[role=tab][aria-selected=true]")].map(
-    tab => tab.textContent.trim()
-)"""
+)"""  # at once: the table is replaced many times a second
 
-SELDOM_DRAWN = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
-    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
-        const draw = of.prototype[name];
-        if (draw) of.prototype[name] = function (...given) { if (window.lookedAt) draw.apply(this, given); };
-    }
+WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
+    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
+        if (of.prototype[name]) of.prototype[name] = () => {};
 const nextFrame = requestAnimationFrame;
 const resting = [];
 window.requestAnimationFrame = draw =>
@@ -82,15 +74,8 @@ window.rest = atRest => {
     window.atRest = atRest;
     if (!atRest) resting.splice(0).forEach(draw => nextFrame(draw));
 };"""
-"""A page's 3D scene without its pixels, and seldom: drawn in software, it took most of the time of a browser test.
+"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test.
 Between tests the page is at rest and costs nothing."""
-
-LOOK = """() => new Promise(seen => {
-    window.lookedAt = true;
-    dispatchEvent(new Event("resize"));
-    requestAnimationFrame(() => requestAnimationFrame(seen));
-})"""
-"""Has the 3D scene drawn, as it now is, and waits for that."""
 
 
 Numbers = dict[str, tuple[str, str]]
@@ -164,27 +149,18 @@ class Explorer:
         self.close_notifications()
         for tab in ("Histograms", "Maps", "Share"):
             self.open_tab(tab)
-        self.wait_until("the same code in the Share box", lambda: decode(self.code()) == self.state())
-        self.show(state)
-        self.open_tab("Scene")
-
-    def show(self, state: State) -> None:
-        """Show a state, by its code."""
         self.paste(encode(state))
         self.expect_numbers(state)
         self.wait_until("its state", lambda: self.state() == state)
-
-    def go_to(self, fragment: str) -> None:
-        """Lead the open page to another fragment, as one that is pasted into its address does."""
-        self.page.evaluate("fragment => location.hash = fragment", fragment)
+        self.open_tab("Scene")
 
     def rest(self, at_rest: bool) -> None:
-        """Let the page cost nothing until it is used again, or use it again."""
+        """Let a page whose 3D scene is not drawn cost nothing until it is used again, or use it again."""
         self.page.evaluate("atRest => rest(atRest)", at_rest)
 
     def wait_ready(self) -> Explorer:
         """Wait until the page shows a run."""
-        self.page.locator("table.readout tr", has_text="PointRMSE").wait_for()
+        self.page.get_by_role("row", name="PointRMSE").wait_for()
         return self
 
     def wait_until(self, what: str, condition: Callable[[], object]) -> None:
@@ -192,19 +168,13 @@ class Explorer:
         deadline = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < deadline, f"waited in vain for: {what}"
-            self.pause(50)
+            self.pause(30)
 
     def pause(self, milliseconds: int = BETWEEN_CONTROLS) -> None:
         """Wait as people do between two controls."""
         self.page.wait_for_timeout(milliseconds)
 
     # What can be seen
-
-    def client(self) -> viser.ClientHandle:
-        """The page as its server knows it, once those of tests before are gone."""
-        self.wait_until("no other page", lambda: len(self.app.server.get_clients()) == 1)
-        (client,) = self.app.server.get_clients().values()
-        return client
 
     def numbers(self) -> Numbers:
         """What the readout says."""
@@ -232,8 +202,8 @@ class Explorer:
         return self.field("State").input_value()
 
     def state(self) -> State:
-        """The state that the page tells its address; the Share box must have it, too."""
-        return decode(read_fragment(self.page.locator("[data-fragment]").get_attribute("data-fragment") or "").code)
+        """The state of the Share box; it is kept up while nothing plays."""
+        return decode(self.code())
 
     def expect_numbers(self, state: State) -> None:
         """Wait until the readout says what it must for a state."""
@@ -241,7 +211,7 @@ class Explorer:
         self.wait_until(f"the numbers {expected}", lambda: self.numbers() == expected)
 
     def expect_to_agree(self) -> State:
-        """Wait until the readout fits the state, and see that it stays so; the state."""
+        """Wait until the readout fits the Share box, and see that it stays so; the state."""
         self.wait_until("readout and state to agree", lambda: self.numbers() == numbers_of(self.state()))
         state = self.state()
         self.pause(SETTLING)
@@ -313,21 +283,20 @@ class Explorer:
 
     def drag(self, label: str, *shares: float, steps: int = 12) -> float:
         """Drag a slider's thumb with the mouse to shares of its track, one after another; where it ends."""
-        row = self.row(label)
-        thumb = row.locator("[role=slider]")
+        thumb = self.row(label).get_by_role("slider")
         thumb.scroll_into_view_if_needed()
-        start, track = box_of(thumb), box_of(row.locator(".mantine-Slider-track"))
+        start, track = box_of(thumb), box_of(self.row(label).locator(".mantine-Slider-track"))
         y = start["y"] + start["height"] / 2
         self.page.mouse.move(start["x"] + start["width"] / 2, y)
         self.page.mouse.down()
         for share in shares:
             self.page.mouse.move(track["x"] + share * track["width"], y, steps=steps)
         self.page.mouse.up()
-        seen: list[str | None] = []
+        seen: list[float] = []
         while len(seen) < 2 or seen[-1] != seen[-2]:  # a busy page takes a while to follow
             self.pause()
-            seen.append(thumb.get_attribute("aria-valuenow"))
-        return float(seen[-1] or "nan")
+            seen.append(self.slider_value(label))
+        return seen[-1]
 
     def type_into(self, label: str, text: str) -> None:
         """Write into a field as from the keyboard, all at once, and leave it."""
@@ -367,14 +336,14 @@ class Explorer:
         self.pause()
 
     def open_tab(self, name: str) -> None:
-        """Open a tab of a panel, unless it is open."""
-        if name not in self.page.evaluate(READ_OPEN_TABS):
-            self.page.get_by_role("tab", name=name, exact=True).click()
+        """Open a tab of a panel."""
+        self.page.get_by_role("tab", name=name, exact=True).click()
 
     def open_tab_of(self, label: str) -> None:
-        """Open the tab of the control panel that something is in, if it is in any."""
-        if label in TAB_OF:
-            self.open_tab(TAB_OF[label])
+        """Open the tab of the control panel that something is in, unless it is open or there is none."""
+        tab = self.page.get_by_role("tab", name=TAB_OF.get(label, ""), exact=True)
+        if label in TAB_OF and tab.get_attribute("aria-selected") != "true":
+            tab.click()
 
     # Pictures
 
@@ -382,17 +351,10 @@ class Explorer:
         """The 3D canvas."""
         return self.page.locator("canvas[data-engine]")
 
-    def picture(self, **options: Any) -> Image.Image:
-        """A picture of the page, or of what the options of Playwright's `screenshot` say."""
-        self.page.evaluate(LOOK)
-        shot = self.page.screenshot(**options)
-        self.page.evaluate("window.lookedAt = false")
-        return Image.open(io.BytesIO(shot))
-
     def canvas_halves(self) -> tuple[np.ndarray, np.ndarray]:
         """The pixels of the canvas's left and right half, each of shape (height, width, 3), without what is written."""
-        picture = self.picture(clip=box_of(self.canvas()), style=".over-canvas { visibility: hidden; }")
-        pixels = np.asarray(picture.convert("RGB")).astype(int)
+        shot = self.page.screenshot(clip=box_of(self.canvas()), style=".over-canvas { visibility: hidden; }")
+        pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
         middle = pixels.shape[1] // 2
         return pixels[:, :middle], pixels[:, middle:]
 
@@ -417,10 +379,10 @@ class Explorer:
         return self.heatmaps().evaluate_all("images => images.map(image => image.src)")
 
 
-def new_page(browser: Browser, size: tuple[int, int] = SMALL, **options: Any) -> Page:
-    """A new page of so many pixels, whose 3D scene is drawn for pictures alone."""
-    page = browser.new_page(viewport=ViewportSize(width=size[0], height=size[1]), **options)
-    page.add_init_script(SELDOM_DRAWN)
+def page_without_3d(browser: Browser, **options: Any) -> Page:
+    """A new page of a browser, whose 3D scene is not drawn."""
+    page = browser.new_page(**options)
+    page.add_init_script(WITHOUT_DRAWING)
     return page
 
 
