@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 
 import viser
@@ -38,6 +39,9 @@ from ido_viz.panels.training_tab import TrainingTab
 from ido_viz.teach.derivations_tab import DerivationsTab
 from ido_viz.teach.lesson_folder import LessonFolder
 from ido_viz.teach.preset_folder import PresetFolder
+
+_CALM = 1.2
+"""Seconds after which a page that tells of its tabs is calm; a chart that was made before may lack axes."""
 
 _FIRST_OPEN = frozenset({"Histograms", "Maps"})
 """Tabs of charts that are open in a page that has not told yet."""
@@ -111,6 +115,7 @@ class Page:
             self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, self._bring_tabs_back, state, step)
         add_picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
         self._open = _FIRST_OPEN
+        self._told = False  # which tabs are open
         self._redraw = actions.redraw
         unseen_field(gui, OPEN_TABS, self._tabs_opened)
         self._placing = Placing(gui, upper, lower)
@@ -197,7 +202,16 @@ class Page:
         self._canvas.show(shown)
 
     def _tabs_opened(self, names: str) -> None:
+        if not self._told:
+            self._told = True
+            later = threading.Timer(_CALM, self._renew_calmly)
+            later.daemon = True
+            later.start()
         self._open = frozenset(names.split(","))
+        self._redraw()
+
+    def _renew_calmly(self) -> None:
+        self.renew_charts()
         self._redraw()
 
     def draw_inside(self, frame: Frame) -> None:

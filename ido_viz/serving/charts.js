@@ -31,31 +31,6 @@
   };
 })();
 
-// A chart is made before it has a width, and gets width and new data at once. uPlot's `setSize` asks for new axes and
-// its `redraw`, which the data cause, forgets that again: the axes stay those of no width, without names and dividers. So
-// a redraw has new axes, too. viser keeps its charts for tests of its own; that is where they can be reached.
-(() => {
-  const CALM = 200; // milliseconds
-  const charts = {};
-  const kept = new Proxy(charts, {
-    set(all, uuid, entry) {
-      const { chart } = entry;
-      const redraw = chart.redraw;
-      // before its first drawing its scale waits to be set, and a redraw of its paths would set it to nothing
-      chart.redraw = (paths) => redraw(chart.scales.x.min == null ? false : paths, true);
-      // and once more when its size has come to rest, for there may be no data after it
-      let rest;
-      new ResizeObserver(() => {
-        clearTimeout(rest);
-        rest = setTimeout(() => chart.root.isConnected && chart.width > 0 && chart.redraw(false), CALM);
-      }).observe(chart.root);
-      all[uuid] = entry;
-      return true;
-    },
-  });
-  window.__viserTestpoints = { ...window.__viserTestpoints, uplots: kept };
-})();
-
 // A menu whose options change is closed by that. While one is open its new options wait; the newest come when it closes.
 (() => {
   const waiting = new Map(); // the newest options of each open menu
