@@ -173,7 +173,7 @@ def test_a_scene_is_carried_played_and_undone(open_tab: OpenTab):
     points = RigidTransform.from_matrix(lay).apply(tab.shown.run.scene.points)
     for phase, at in (("start", handles(0.1)), ("update", handles(0.3)), ("end", handles(0.3, 1.0))):
         tab.actions.grab(1, phase, at)
-    tab.wait("the carried scene", lambda: tab.shown.held)
+    tab.wait("the carried scene", lambda: tab.shown.held and tab.shown.state.start == tab.widgets.start)
     motion = RigidTransform.from_matrix(handles(0.3, 1.0)) * RigidTransform.from_matrix(handles(0.1)).inv()
     np.testing.assert_allclose(tab.shown.run.scene.points, motion.apply(points), atol=4e-4)
     assert tab.widgets.start == tab.shown.state.start != NO_START

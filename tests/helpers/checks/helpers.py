@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ido import poses
+from ido.experiments import LEVELS
 from ido.experiments.paper import PAPER_TABLES
 from ido.shipped import shipped_results
 from ido.types import FloatArray
@@ -128,12 +129,12 @@ def training_error(run: Run, side: int, maps_done: int = -1) -> float:
 
 @lru_cache
 def mean(method: str, sweep: str = "", level: float | None = None, shape: str = "bunny") -> float:
-    """Mean PointAcc of a method in the shipped results: of all sweeps, of one, or at one of its levels.
+    """Mean PointAcc of a method in the shipped results: of all the paper's sweeps, of one, or at one of its levels.
 
     Raises:
         ValueError: there are none.
     """
-    rows = shipped_results().where(dataset=shape, method=method)
+    rows = shipped_results().where(dataset=shape, method=method).among(sweep=list(LEVELS))
     chosen = np.full(len(rows), True) if not sweep else rows.sweep == sweep
     if level is not None:
         chosen &= np.isclose(rows.level, level)

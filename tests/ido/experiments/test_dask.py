@@ -60,7 +60,9 @@ def test_a_killed_worker_loses_nothing_and_nothing_is_recorded_twice(
     experiment = Experiment(datasets=("bunny",), sweeps=("noise", "outliers"), methods=("DO", "ICP, default"), scenes=2)
     expected = [row for chunk in experiment.missing(()) for row in run_chunk(chunk)]
     assert len(rows) == len(expected)
-    assert {row._replace(seconds=0) for row in rows} == {row._replace(seconds=0) for row in expected}
+    assert all(row.probability is None for row in rows)  # these methods give none, NaN where they are computed
+    found, here = ({row._replace(seconds=0, probability=None) for row in its} for its in (rows, expected))
+    assert found == here
 
 
 def test_no_cluster_at_an_address_is_one_clear_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
