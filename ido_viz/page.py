@@ -40,8 +40,8 @@ from ido_viz.teach.derivations_tab import DerivationsTab
 from ido_viz.teach.lesson_folder import LessonFolder
 from ido_viz.teach.preset_folder import PresetFolder
 
-_CALM = 1.2
-"""Seconds after which a page that tells of its tabs is calm; a chart that was made before may lack axes."""
+_CALM = (1.2, 5.0)
+"""Seconds after which a page that tells of its tabs is calm, and a slow one; a chart made before may lack axes."""
 
 _FIRST_OPEN = frozenset({"Histograms", "Maps"})
 """Tabs of charts that are open in a page that has not told yet."""
@@ -204,9 +204,10 @@ class Page:
     def _tabs_opened(self, names: str) -> None:
         if not self._told:
             self._told = True
-            later = threading.Timer(_CALM, self._renew_calmly)
-            later.daemon = True
-            later.start()
+            for wait in _CALM:
+                later = threading.Timer(wait, self._renew_calmly)
+                later.daemon = True
+                later.start()
         self._open = frozenset(names.split(","))
         self._redraw()
 
