@@ -58,7 +58,6 @@ class LiveState:
         self._drawn: Frame | None = None
         self._clock = Clock(max(state.iteration, 0))
         self._first_look = False  # whether a page that plays has yet to be seen
-        self._charts_are_old = False  # those of a page that had no size yet
         self._in_hand = False  # whether what is waited for is the end of a change
         self._hand = Hand()
 

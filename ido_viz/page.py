@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 
 import viser
@@ -39,9 +38,6 @@ from ido_viz.panels.training_tab import TrainingTab
 from ido_viz.teach.derivations_tab import DerivationsTab
 from ido_viz.teach.lesson_folder import LessonFolder
 from ido_viz.teach.preset_folder import PresetFolder
-
-_CALM = (1.2, 5.0)
-"""Seconds after which a page that tells of its tabs is calm, and a slow one; a chart made before may lack axes."""
 
 _FIRST_OPEN = frozenset({"Histograms", "Maps"})
 """Tabs of charts that are open in a page that has not told yet."""
@@ -115,7 +111,6 @@ class Page:
             self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, self._bring_tabs_back, state, step)
         add_picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
         self._open = _FIRST_OPEN
-        self._told = False  # which tabs are open
         self._redraw = actions.redraw
         unseen_field(gui, OPEN_TABS, self._tabs_opened)
         self._placing = Placing(gui, upper, lower)
@@ -202,17 +197,7 @@ class Page:
         self._canvas.show(shown)
 
     def _tabs_opened(self, names: str) -> None:
-        if not self._told:
-            self._told = True
-            for wait in _CALM:
-                later = threading.Timer(wait, self._renew_calmly)
-                later.daemon = True
-                later.start()
         self._open = frozenset(names.split(","))
-        self._redraw()
-
-    def _renew_calmly(self) -> None:
-        self.renew_charts()
         self._redraw()
 
     def draw_inside(self, frame: Frame) -> None:
@@ -220,10 +205,6 @@ class Page:
         self._canvas.draw(frame, lifted=self._lessons.is_open or frame.inside is not None)
         self._inside.draw(frame)
         self._controls.show_iteration(frame)
-
-    def renew_charts(self) -> None:
-        """Make the charts anew with the next frame, now that the page has its size."""
-        self._histograms.renew()
 
     def open_tab(self, name: str) -> None:
         """Open a tab of the charts."""

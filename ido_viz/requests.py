@@ -168,7 +168,6 @@ class Requests(LiveState):
             if self._first_look and self._clock.waits:  # nobody has stepped or changed anything yet
                 self._clock.start(0.0, FIRST_LOOK)
             self._first_look = False
-            self._charts_are_old = True
         self._wake()
 
     # The 3D view, and what is looked into

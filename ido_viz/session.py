@@ -210,9 +210,6 @@ class Session(Requests):
                 self._drawn = frame
             return
         with self._client.atomic():
-            if self._charts_are_old:
-                page.renew_charts()
-                self._charts_are_old = False
             page.draw(frame, self._comparison, self._basin, may_cancel=self._live.slow)
             self._drawn = frame
             if not self._dirty:  # the slider may have been dragged on meanwhile

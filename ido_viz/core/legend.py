@@ -21,7 +21,7 @@ def legend_html(frame: Frame) -> str:
         parts.append("▸ a start, over its top")
     ink = palette.css(palette.ink(dark))
     return (
-        f'<div style="font-size:0.75rem;white-space:nowrap;color:{ink}">'
+        f'<div style="font-size:min(0.75rem,0.95vw);white-space:nowrap;color:{ink}">'
         + " &nbsp;".join(f"<span>{part}</span>" for part in parts)
         + "</div>"
     )

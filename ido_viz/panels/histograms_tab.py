@@ -31,11 +31,6 @@ class HistogramsTab:
         height = min(max(round(0.29 * window) - 112, 104), 200)  # so that both fill the upper half
         self._charts = [_HistogramChart(gui, height) for _ in range(2)]
 
-    def renew(self) -> None:
-        """Make both charts anew when they are drawn next: made before the page has its size, they may lack axes."""
-        for chart in self._charts:
-            chart.renew()
-
     def draw(self, frame: Frame) -> None:
         """Draw both histograms."""
         for chart, side in zip(self._charts, frame.sides, strict=True):
@@ -50,10 +45,6 @@ class _HistogramChart:
         self._height = height
         self._plot = Plot(gui, height)
         self._look: tuple[object, ...] | None = None
-
-    def renew(self) -> None:
-        """Make the chart anew when it is drawn next."""
-        self._look = None
 
     def draw(self, side: SideFrame, state: State) -> None:
         """Draw a histogram, with what is laid over it and the inspected point's bins."""

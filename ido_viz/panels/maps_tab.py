@@ -117,7 +117,7 @@ def heatmap_html(
     rows = "".join(f'<div style="height:{_ROW}px">{name}</div>' for name in PARAMETERS)
     names = "".join(
         f'<div style="flex:1;text-align:center;border-top:3px solid {palette.css(palette.block_color(block, i))};'
-        f'overflow:hidden">{html.escape(side)}</div>'
+        f'overflow:hidden;text-overflow:ellipsis">{html.escape(side)}</div>'
         for i, block in enumerate(maps.histogram.blocks)
         for side in block.sides
     )

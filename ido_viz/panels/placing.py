@@ -24,6 +24,7 @@ div[style*="width: 7.25em"]:has(label:empty) { display: none; }
   --for-text: var(--mantine-primary-color-4); }
 .mantine-Slider-markLabel, .mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
 .mantine-Button-root[data-variant="outline"] { --button-color: var(--for-text) !important; }
+.mantine-Notifications-root { top: 4.2rem !important; } /* below the methods' names */
 [role=tab][aria-selected=true] { color: var(--for-text) !important; }
 """
 _CLOSER_TABS = "[role=tab] { padding-inline: 0.35rem !important; }"  # all in one row, also with large text

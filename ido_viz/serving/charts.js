@@ -31,6 +31,14 @@
   };
 })();
 
+// A chart gets its width and new data at once. uPlot's `setSize` asks for new axes, and its `redraw`, which the data cause,
+// forgets that again: the axes stay those of no width, without names and dividers. Such a chart is drawn once more. viser
+// keeps its charts for tests of its own; that is where they can be reached.
+setInterval(() => {
+  for (const { chart } of Object.values(window.__viserTestpoints?.uplots ?? {}))
+    if (chart.bbox.width > 0 && chart.axes.some((axis) => axis._found?.[1] === 0)) chart.redraw(false, true);
+}, 200);
+
 // A menu whose options change is closed by that. While one is open its new options wait; the newest come when it closes.
 (() => {
   const waiting = new Map(); // the newest options of each open menu

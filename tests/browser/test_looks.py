@@ -12,7 +12,7 @@ from PIL import Image
 
 from ido import RANGES
 from ido_viz.core import palette
-from ido_viz.core.state import encode
+from ido_viz.core.state import State, encode
 
 pytestmark = [
     pytest.mark.looks_at_canvas,
@@ -231,16 +231,35 @@ DIVISIONS = """canvas => {
 """How many lines go through a chart from below to above, and whether something is written below it."""
 
 
-@pytest.mark.parametrize(("right", "of_right"), [("Improved DO", 6), ("Global", 2)])
-def test_a_fresh_page_s_histograms_have_their_names_and_dividers(
-    open_explorer: OpenExplorer, right: str, of_right: int
-):
-    explorer = open_explorer(replace(AT_THE_END, right=right))  # beside Global, which takes a while, they had none
-    for number, sides in enumerate((2, of_right)):
+def see_names_and_dividers(explorer: Explorer, *counts: int) -> None:
+    """Wait until each histogram has its names and the lines between so many sides."""
+    for number, sides in enumerate(counts):
         explorer.wait_until(
             f"{sides - 1} lines between {sides} sides, and two at the ends",
             lambda number=number, sides=sides: explorer.charts().nth(number).evaluate(DIVISIONS) == [sides + 1, True],
         )
+
+
+@pytest.mark.parametrize(("right", "of_right"), [("Improved DO", 6), ("Global", 2)])
+def test_a_fresh_page_s_histograms_have_their_names_and_dividers(
+    open_explorer: OpenExplorer, right: str, of_right: int
+):
+    # beside Global, which takes a while, they had none
+    see_names_and_dividers(open_explorer(replace(AT_THE_END, right=right)), 2, of_right)
+
+
+@pytest.mark.looks_at_canvas  # the drawing made the page slow enough for them to be missing
+def test_they_have_them_while_it_plays_too(open_explorer: OpenExplorer):
+    see_names_and_dividers(open_explorer(State()), 2, 6)
+
+
+def test_a_message_leaves_the_methods_names_in_sight(explorer: Explorer):
+    explorer.paste("no code")
+    message, names = explorer.page.get_by_role("alert").last, explorer.page.locator(".names")
+    message.wait_for()
+    explorer.wait_until(
+        "the message below the names", lambda: box_of(message)["y"] >= box_of(names)["y"] + box_of(names)["height"]
+    )
 
 
 @pytest.mark.parametrize("size", DESKTOPS, ids=lambda size: f"{size[0]}x{size[1]}")

@@ -162,9 +162,6 @@ class PageOfTab:
         if len(self.tab.frames) == 1:
             self.tab.actions.seen()
 
-    def renew_charts(self) -> None:
-        pass
-
     def open_tab(self, name: str) -> None:
         self.tab.opened.append(name)
 
