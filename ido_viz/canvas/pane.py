@@ -119,17 +119,16 @@ class PaneView:
         self._show_motion(inside, frame.state.dark)
         self._ghost.visible = state.ghost and (inspection is None or inspection.point is None)
         self.move(side)
-        end_color = palette.lighter(palette.method_color(side.run.method, state.dark), state.dark, 0.4)
         if frame.held:
+            end_color = palette.lighter(palette.method_color(side.run.method, state.dark), state.dark, 0.4)
             self._end.draw(self._true_points, side.run.T_model_scene[-1], end_color)
         else:
             self._end.hide()
         self._connect(run.scene, side.T_model_scene, inspection, shown=state.error_vectors)
-        over = side.overlay
-        if over is None:
+        if side.overlay is None:
             self._overlay.hide()
         else:
-            self._overlay.draw(self._true_points, over.T_model_scene, over.color)
+            self._overlay.draw(self._true_points, side.overlay.T_model_scene, side.overlay.color)
         self._race.draw(run.scene, side, run.subject.up, state.dark)
         if self._handles is not None:
             self._handles.draw(run.scene, side.T_model_scene, shown=state.handles)

@@ -48,7 +48,7 @@ TABS = {
 
 TAB_OF = {label: tab for tab, labels in TABS.items() for label in labels}
 
-PATIENCE = 45.0  # seconds; only a failing test waits that long
+PATIENCE = 90.0  # seconds; only a failing test waits that long, or a machine that is very slow
 BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
 SETTLING = 400  # milliseconds in which a late frame would show
 NEAR = 12  # of 255: colours this close count as the same

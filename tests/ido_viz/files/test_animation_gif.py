@@ -201,11 +201,10 @@ def test_a_name_is_drawn_in_its_own_half_in_one_line(name: str):
 
 
 def test_even_a_long_animation_is_small_enough_for_mail(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(
-        slides, "MOST_FRAMES", 10
-    )  # far apart, so that each differs more from the last than in a long one
+    few = 10  # far apart, so that each differs more from the last than in a long one
+    monkeypatch.setattr(slides, "MOST_FRAMES", few)
     run = compute(State(), LIBRARY)
-    assert len(animation_gif(frame_of(run, State()))) / 10 * MOST_FRAMES < 5e6
+    assert len(animation_gif(frame_of(run, State()))) / few * MOST_FRAMES < 5e6
 
 
 # The projection, against a pinhole camera
