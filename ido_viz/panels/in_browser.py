@@ -13,10 +13,11 @@ _OPEN = """for (const tab of document.querySelectorAll('[role=tab]')) {
   tab.click();
   tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
   const group = tab.closest('[data-dock-group]');
-  setTimeout(() => group?.querySelectorAll('.mantine-ScrollArea-viewport').forEach(
+  setTimeout(() => tab.ariaSelected === 'true' && group?.querySelectorAll('.mantine-ScrollArea-viewport').forEach(
     shown => shown.scrollTo({top: %s ? shown.scrollHeight : 0})), 300);
 }"""
-"""A docked tab takes the key Enter, one on a phone the click. A tab that was never open is drawn before it scrolls."""
+"""A docked tab takes the key Enter, one on a phone the click. A tab that was never open is drawn before it scrolls; if
+another was opened meanwhile, that one stays as it is."""
 
 _ARROWS = """window.lessonKeys ??= (window.addEventListener('keydown', event => {
   const key = {ArrowLeft: 'PageUp', ArrowRight: 'PageDown'}[event.key];

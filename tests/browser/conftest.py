@@ -108,7 +108,7 @@ def kept_pages() -> Iterator[dict[bool, Explorer]]:
 @pytest.fixture
 def explorer(browser: Browser, kept_pages: dict[bool, Explorer], draws: bool) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
-    kept = kept_pages.pop(draws, None)  # a test that fails keeps it from the next
+    kept = kept_pages.pop(draws, None)  # one that cannot be put back is not kept
     if kept is None:
         kept = new_page(App(AT_THE_END, port=0), browser, SMALL, draws).open()
     elif not draws:

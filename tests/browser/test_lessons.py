@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import get_args
 
-from explorer import Explorer, OpenExplorer
+from explorer import SETTLING, Explorer, OpenExplorer
 
 from ido_viz.core.state import State
 from ido_viz.teach.lessons import Tab, lesson
@@ -70,6 +70,20 @@ def test_the_tab_that_a_step_talks_about_is_open_and_the_one_before_comes_back(e
     explorer.press("Leave")
     for name in ("Compare", "Help"):
         explorer.page.get_by_role("tab", name=name, exact=True, selected=True).wait_for()
+
+
+def test_a_tab_opened_right_after_the_lesson_opened_another_is_not_scrolled(explorer: Explorer):
+    top = explorer.heatmaps().first.bounding_box()
+    explorer.choose("Lesson", lesson("histogram").title)
+    for number, step in enumerate(lesson("histogram").steps, start=1):
+        explorer.expect_step(number, 12)
+        if step.end:
+            break
+        explorer.press("Next")
+    explorer.page.get_by_role("tab", name="Inspect", exact=True, selected=True).wait_for()
+    explorer.open_tab("Maps")
+    explorer.pause(2 * SETTLING)
+    assert explorer.heatmaps().first.bounding_box() == top
 
 
 def test_the_control_beside_the_text_is_the_one_of_the_panel(explorer: Explorer):
