@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SMALL, Explorer, OpenExplorer, page_without_3d
+from any_explorer import AT_THE_END, AT_THE_START
+from explorer import SMALL, Explorer, OpenExplorer, page_without_3d
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz import requests

@@ -2,38 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import get_args
 
-from explorer import SETTLING, Explorer, OpenExplorer
+from any_explorer import SETTLING
+from explorer import Explorer, OpenExplorer
 
-from ido_viz.core.state import State
 from ido_viz.teach.lessons import Tab, lesson
-
-
-def test_a_lesson_is_walked_left_and_taken_up_again(explorer: Explorer):
-    before = explorer.expect_to_agree()
-    chosen = lesson("stopping")
-    explorer.choose("Lesson", chosen.title)
-    for number, step in enumerate(chosen.steps, start=1):
-        explorer.expect_step(number, len(chosen.steps))
-        explorer.wait_until(f"the page of step {number}", lambda step=step: at_rest(explorer) == at_its_end(step.state))
-        if step.guess is not None:
-            explorer.press(step.guess.right)
-            explorer.page.get_by_text("Yes.").wait_for()
-            explorer.wait_until("the answer", lambda step=step: at_rest(explorer) == at_its_end(step.shown))
-        if number < len(chosen.steps):
-            explorer.press("Next")
-    explorer.press("Back")
-    explorer.expect_step(len(chosen.steps) - 1, len(chosen.steps))
-    explorer.pause(300)
-    explorer.drag("Noise", 0.9)
-    explorer.press("Again")
-    wanted = chosen.steps[-2].state
-    explorer.wait_until("the step's page again", lambda: explorer.state().perturbation == wanted.perturbation)
-    explorer.press("Leave")
-    explorer.wait_until("what was there before", lambda: explorer.state() == before)
-    assert explorer.step() is None
 
 
 def test_keys_and_a_clicker_turn_pages_where_nothing_else_needs_them(explorer: Explorer):
@@ -106,20 +80,6 @@ def test_the_control_beside_the_text_is_the_one_of_the_panel(explorer: Explorer)
     explorer.wait_until("the step's slider follows", lambda: slider.get_attribute("aria-valuenow") == "300")
 
 
-def test_nothing_plays_before_a_guess(explorer: Explorer):
-    chosen = lesson("half")
-    explorer.choose("Lesson", chosen.title)
-    explorer.expect_step(1, len(chosen.steps))
-    explorer.expect_numbers(chosen.steps[0].state)
-    explorer.pause(500)
-    assert explorer.iteration() == 0
-    guess = chosen.steps[0].guess
-    assert guess is not None
-    explorer.press("DO")
-    explorer.page.get_by_text("No.").wait_for()
-    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
-
-
 def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(open_explorer: OpenExplorer):
     explorer = open_explorer()
     moved = [camera_turns(explorer)]
@@ -130,40 +90,6 @@ def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(open_explorer: O
     explorer.pause(500)
     moved.append(camera_turns(explorer))
     assert moved == [True, False, True]
-
-
-def test_the_page_says_what_the_lesson_says_of_one_pair_of_points(explorer: Explorer):
-    explorer.choose("Lesson", lesson("histogram").title)
-    for number in (1, 2):
-        explorer.expect_step(number, 12)
-        explorer.press("Next")
-    for answer, weight in (("front", "0.5873"), ("back", "0.0434")):
-        of_pair = explorer.page.get_by_role("row").filter(has_text="front / back").last
-        explorer.wait_until(
-            f"{answer} and {weight}",
-            lambda row=of_pair, answer=answer, weight=weight: [answer, weight] == row.inner_text().split("\t")[1:3],
-        )
-        explorer.press("Next")
-
-
-def test_the_bin_that_misleads_most_is_listed_first(explorer: Explorer):
-    steps = lesson("misled").steps
-    explorer.choose("Lesson", lesson("misled").title)
-    explorer.press("Next")
-    first = explorer.page.locator("tr[data-bin]").first
-    explorer.wait_until("the list", lambda: first.inner_text().startswith("430 front"))
-    explorer.wait_until("the end", lambda: not explorer.is_playing())  # each frame closes an open menu
-    assert explorer.options("Strongest bins")[1].startswith("430 front -")
-    explorer.press("Next")
-    assert steps[2].state.inspected == 430
-    explorer.wait_until("its model point", lambda: explorer.field("Model point").input_value() == "430")
-
-
-def test_a_scene_of_the_training_comes_unrounded(explorer: Explorer):
-    learned = lesson("overfitting").steps[0].state
-    explorer.choose("Lesson", lesson("overfitting").title)
-    explorer.expect_numbers(learned)
-    assert explorer.expect_to_agree() == learned
 
 
 def camera_turns(explorer: Explorer) -> bool:
@@ -177,12 +103,3 @@ def camera_turns(explorer: Explorer) -> bool:
     explorer.page.keyboard.up("ArrowLeft")
     explorer.pause(300)
     return bool(abs(client.camera.position - before).max() > 0.01)
-
-
-def at_rest(explorer: Explorer) -> object:
-    """What the page shows, whatever the iteration."""
-    return at_its_end(explorer.state()) if not explorer.is_playing() else None
-
-
-def at_its_end(state: State) -> State:
-    return replace(state, iteration=0, playing=False)

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, like
+from any_explorer import AT_THE_END, AT_THE_START, SETTLING
+from explorer import Explorer, OpenExplorer, box_of, like
 from PIL import Image
 
 from ido import RANGES

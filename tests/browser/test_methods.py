@@ -6,53 +6,6 @@ import numpy as np
 import pytest
 from explorer import Explorer, box_of
 
-from ido_viz.core.library import shipped_library
-from ido_viz.panels.compare_tab import COLUMNS
-
-
-def test_a_baseline_registers_steps_and_follows_a_slider(explorer: Explorer):
-    explorer.choose("Left pane", "BCPD, tuned")
-    explorer.wait_until("BCPD shown", lambda: "BCPD, tuned" in explorer.methods())
-    explorer.expect_to_agree()
-    explorer.press("First (R)")
-    explorer.wait_until("the start", lambda: explorer.iteration() == 0)
-    explorer.press("Next (N)")
-    explorer.wait_until("the next iteration", lambda: explorer.iteration() == 1)
-    explorer.expect_to_agree()
-    explorer.drag("Rotation", 0.7)
-    explorer.expect_to_agree()
-    assert explorer.page.get_by_text("learns no maps").first.is_visible()
-    assert explorer.chart_ink(0) > 0
-
-
-def test_all_methods_are_compared_sorted_and_shown_by_a_click(explorer: Explorer):
-    explorer.open_tab("Compare")
-    explorer.press("Compare all methods")
-    names = shipped_library().methods("bunny")
-    explorer.page.get_by_text(f"{len(names)} of {len(names)} methods", exact=True).wait_for()
-    rows = explorer.page.get_by_role("button").filter(has_text="KCCE (reconstr.)")
-    explorer.wait_until("all rows", lambda: rows.count() == 2)
-    by_accuracy = table(explorer)
-    assert len(by_accuracy) == len(names)
-    accuracies = [float(row.split()[-4]) for row in by_accuracy]
-    assert accuracies == sorted(accuracies, reverse=True)
-    explorer.choose("Sort by", "iterations")
-    explorer.wait_until("another order", lambda: table(explorer) != by_accuracy)
-    iterations = [int(row.split()[-1]) for row in table(explorer)]
-    assert iterations == sorted(iterations)
-    row = explorer.page.get_by_role("button").filter(has_text="GMMReg, tuned")
-    row.click()
-    explorer.wait_until("the method of the row", lambda: explorer.methods()[1] == "GMMReg, tuned")
-    explorer.expect_to_agree()
-    explorer.press("New seed")
-    explorer.page.get_by_text("The scene has changed since: compare").wait_for()
-
-
-def table(explorer: Explorer) -> list[str]:
-    """The rows of the comparison, from top to bottom."""
-    texts = explorer.page.get_by_role("button").all_inner_texts()
-    return [text for text in texts if len(text) == len(COLUMNS) and text.split()[-1].isdigit()]
-
 
 def test_a_scene_of_the_shipped_results_is_opened(explorer: Explorer):
     explorer.open_tab("Sweeps")

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from explorer import AT_THE_START, SMALL, Explorer, page_without_3d
+from any_explorer import AT_THE_START
+from explorer import SMALL, Explorer, page_without_3d
 from playwright.sync_api import Browser, ViewportSize, expect
 
 from ido import Cloud

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from explorer import Explorer, OpenExplorer
 
-from ido_viz.core.state import LAST, State
+from ido_viz.core.state import State
 
 SLOWLY = 0.02  # of the slider: two iterations a second
 
@@ -20,55 +20,12 @@ def test_a_new_page_plays_by_itself_to_the_end(open_explorer: OpenExplorer):
     assert explorer.slider_value("Iteration") == explorer.last_iteration()
 
 
-def test_play_moves_the_iteration_pauses_and_ends_by_button_and_key(at_the_start: Explorer):
-    explorer = at_the_start
-    explorer.drag("Speed", SLOWLY)
-    explorer.press("Play (P)")
-    explorer.wait_until("two iterations", lambda: explorer.iteration() >= 2)
-    assert explorer.is_playing()
-    explorer.type_key("p")
-    explorer.wait_until("the pause", lambda: not explorer.is_playing())
-    at = explorer.expect_to_agree().iteration
-    explorer.type_key("p")
-    explorer.wait_until("two more", lambda: explorer.iteration() >= at + 2)
-    explorer.press("Pause (P)")
-    explorer.wait_until("the pause", lambda: not explorer.is_playing())
-    paused = explorer.expect_to_agree()
-    assert 2 <= paused.iteration < explorer.last_iteration()
-    explorer.drag("Speed", 1.0)
-    explorer.press("Play (P)")
-    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
-    explorer.wait_until("the end of playing", lambda: not explorer.is_playing())
-    explorer.expect_to_agree()
-
-
 def test_play_at_the_end_starts_again(explorer: Explorer):
     assert explorer.iteration() == explorer.last_iteration()
     explorer.drag("Speed", SLOWLY)
     explorer.press("Play (P)")
     explorer.wait_until("the beginning", lambda: explorer.iteration() < 5)
     assert explorer.is_playing()
-
-
-def test_step_buttons_step_and_stay_within_the_run(at_the_start: Explorer):
-    explorer = at_the_start
-    last = explorer.last_iteration()
-    for button, expected in (
-        ("Back (B)", 0),
-        ("Next (N)", 1),
-        ("Next (N)", 2),
-        ("Back (B)", 1),
-        ("Last", last),
-        ("Next (N)", last),
-        ("Back (B)", last - 1),
-        ("First (R)", 0),
-        ("Back (B)", 0),
-    ):
-        explorer.press(button)
-        explorer.wait_until(
-            f"iteration {expected} after {button}", lambda expected=expected: explorer.iteration() == expected
-        )
-        assert explorer.expect_to_agree().iteration == (LAST if expected == last else expected)
 
 
 def test_scrubbing_shows_the_iteration_under_the_mouse(at_the_start: Explorer):

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from explorer import AT_THE_START, Explorer, page_without_3d
+from any_explorer import AT_THE_START
+from explorer import Explorer, page_without_3d
 from playwright.sync_api import Browser, ViewportSize
 
 from ido import Cloud
@@ -16,7 +17,6 @@ from ido.extensions import find_class
 from ido.types import FloatArray
 from ido_viz.app import App
 from ido_viz.core.library import Library, shipped_library
-from ido_viz.core.run import compute
 from ido_viz.core.state import State
 
 EXAMPLE = Path(__file__).parents[2] / "assets" / "examples" / "04_own_method.py"
@@ -56,26 +56,6 @@ def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], E
         explorer.page.close()
         explorer.app.stop()
     assert [error for explorer in opened for error in explorer.errors] == []
-
-
-def test_an_own_method_is_shown_stepped_and_follows_the_scene(open_own: Callable[[State], Explorer], library: Library):
-    explorer = open_own(replace(AT_THE_START, left=PERSONAL))
-
-    def agrees() -> bool:
-        side, k = compute(explorer.state(), library).sides[0], explorer.iteration()
-        numbers = {row: cells[0] for row, cells in explorer.numbers().items()}
-        n = side.trajectory.iterations
-        shown = (numbers["Iteration"], numbers["PointRMSE"], numbers["Rotation error"])
-        return shown == (f"{k} / {n}", f"{side.scores.rmse[k]:.4f}", f"{side.scores.rotation[k]:.2f}°")
-
-    explorer.wait_until("the method", agrees)
-    assert PERSONAL in explorer.options("Right pane")
-    for k in (1, 2):
-        explorer.press("Next (N)")
-        explorer.wait_until("the next iteration", lambda k=k: explorer.iteration() == k and agrees())
-    explorer.drag("Rotation", 0.2)
-    explorer.wait_until("the new scene", agrees)
-    assert explorer.chart_ink(0) > 0
 
 
 def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(open_own: Callable[[State], Explorer]):

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from explorer import AT_THE_END, AT_THE_START, SETTLING, Explorer, OpenExplorer, box_of, independent_run
+from any_explorer import AT_THE_START, SETTLING, independent_run
+from explorer import Explorer, OpenExplorer, box_of
 from scipy.spatial.transform import Rotation
 
 from ido.types import FloatArray
@@ -100,29 +101,6 @@ def test_a_view_turned_by_the_mouse_is_kept_and_reset_by_button_and_key(explorer
         reset()
         explorer.wait_until("the first view again", lambda: both_panes_fit(explorer))
         assert explorer.expect_to_agree().camera == NO_CAMERA
-
-
-def test_undo_and_redo_by_their_buttons(explorer: Explorer):
-    before = explorer.state()
-    value = explorer.drag("Rotation", 0.8, steps=1)  # one change, however slow the machine is
-    explorer.wait_until("the rotation", lambda: explorer.state().perturbation.rotation == value)
-    changed = explorer.expect_to_agree()
-    explorer.press("Undo")
-    explorer.wait_until("the rotation before", lambda: explorer.state() == before)
-    assert explorer.slider_value("Rotation") == before.perturbation.rotation
-    explorer.press("Redo")
-    explorer.wait_until("the rotation again", lambda: explorer.state() == changed)
-    assert explorer.slider_value("Rotation") == value
-
-
-def test_another_scene_is_played_from_its_start(open_explorer: OpenExplorer):
-    explorer = open_explorer(replace(AT_THE_END, replay=True, speed=60))
-    explorer.drag("Rotation", 0.2)
-    explorer.wait_until("how it will end", lambda: all("will end" in text for text in explorer.verdicts()))
-    assert explorer.iteration() == 0
-    explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
-    explorer.expect_to_agree()
-    assert not any("will end" in text for text in explorer.verdicts())
 
 
 def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExplorer):

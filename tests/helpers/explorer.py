@@ -1,29 +1,22 @@
-"""The explorer as a person uses it: what can be seen, and what can be done with mouse and keyboard."""
+"""The explorer in a browser: what can be seen, and what can be done with mouse and keyboard."""
 
 from __future__ import annotations
 
 import contextlib
 import io
 import re
-import time
 from collections.abc import Callable
-from dataclasses import replace
-from functools import lru_cache
 from typing import Any, get_args
 
 import numpy as np
+from any_explorer import BETWEEN_CONTROLS, PATIENCE, AnyExplorer
 from PIL import Image
 from playwright.sync_api import Browser, FloatRect, Locator, Page, TimeoutError
 
 from ido_viz.app import App
-from ido_viz.core.library import shipped_library
-from ido_viz.core.run import MethodRun, Run, compute
-from ido_viz.core.state import LAST, Part, State, decode, encode
+from ido_viz.core.state import Part, State, encode
 
 SMALL = (1200, 700)  # software rendering takes its time for each pixel
-AT_THE_START = State(playing=False, replay=False)
-AT_THE_END = replace(AT_THE_START, iteration=LAST)
-
 TABS = {
     "Scene": ("Outlier kind", "Seed", "Play a change", "New seed", "Paper defaults"),
     "Learn": ("Lesson", "Only Improved DO fails"),
@@ -48,9 +41,6 @@ TABS = {
 
 TAB_OF = {label: tab for tab, labels in TABS.items() for label in labels}
 
-PATIENCE = 90.0  # seconds; only a failing test waits that long, or a machine that is very slow
-BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
-SETTLING = 400  # milliseconds in which a late frame would show
 NEAR = 12  # of 255: colours this close count as the same
 
 COUNT_DRAWN_PIXELS = """canvas => {
@@ -78,55 +68,12 @@ window.rest = atRest => {
 Between tests the page is at rest and costs nothing."""
 
 
-Numbers = dict[str, tuple[str, str]]
-"""The readout: for each row what it says of the left and of the right pane."""
-
-
-@lru_cache(maxsize=64)
-def independent_run(state: State) -> Run:
-    """The run of a state, computed by the test itself."""
-    return compute(state, shipped_library())
-
-
-def next_update(side: MethodRun, points: np.ndarray, k: int) -> str:
-    """What the readout must say of the next update, computed anew from the histogram."""
-    at_end = k == side.trajectory.iterations
-    if at_end and (side.maps is None or side.trajectory.stop == "iteration limit"):
-        return "–"
-    if side.maps is None:
-        return f"{side.trajectory.update_norms[k]:.4f}"
-    D = side.maps.maps[min(k, len(side.maps.maps) - 1)]
-    return f"{np.linalg.norm(D @ side.maps.histogram(points, side.trajectory.x[k])):.4f}"
-
-
-def numbers_of(state: State) -> Numbers:
-    """What the readout must say for a state."""
-    run = independent_run(replace(state, iteration=0, playing=False))
-    rows: list[tuple[str, ...]] = []
-    for side in run.sides:
-        n = side.trajectory.iterations
-        k = n if state.iteration == LAST else min(state.iteration, n)
-        rows.append(
-            (
-                f"{k} / {n}",
-                next_update(side, run.scene.points, k),
-                f"{side.scores.accuracy[k]:.3f}",
-                f"{side.scores.rmse[k]:.4f}",
-                f"{side.scores.rotation[k]:.2f}°",
-                f"{side.scores.translation[k]:.4f}",
-                "moving" if k < n else str(side.trajectory.stop),
-            )
-        )
-    names = ("Iteration", "Next update", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")
-    return {name: (left, right) for name, left, right in zip(names, *rows, strict=True)}
-
-
 OpenExplorer = Callable[..., "Explorer"]
 """Opens a page; see `conftest.open_explorer`."""
 
 
-class Explorer:
-    """One open page."""
+class Explorer(AnyExplorer):
+    """One open page of a browser."""
 
     def __init__(self, app: App, page: Page) -> None:
         self.app = app
@@ -163,35 +110,15 @@ class Explorer:
         self.page.get_by_role("row", name="PointRMSE").wait_for()
         return self
 
-    def wait_until(self, what: str, condition: Callable[[], object]) -> None:
-        """Wait until something is true."""
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < deadline, f"waited in vain for: {what}"
-            self.pause(30)
-
     def pause(self, milliseconds: int = BETWEEN_CONTROLS) -> None:
         """Wait as people do between two controls."""
         self.page.wait_for_timeout(milliseconds)
 
     # What can be seen
 
-    def numbers(self) -> Numbers:
-        """What the readout says."""
-        return {name: (left, right) for name, left, right in self.page.evaluate(READ_TABLE)[1:]}
-
-    def methods(self) -> tuple[str, str]:
-        """The names above the readout's columns."""
-        _, left, right = self.page.evaluate(READ_TABLE)[0]
-        return left, right
-
-    def iteration(self) -> int:
-        """The iteration that is shown, of the method that is ahead."""
-        return max(int(cell.split("/")[0]) for cell in self.numbers()["Iteration"])
-
-    def last_iteration(self) -> int:
-        """The last iteration, of the method that takes longer."""
-        return max(int(cell.split("/")[1]) for cell in self.numbers()["Iteration"])
+    def readout(self) -> list[list[str]]:
+        """The table of numbers, row by row."""
+        return self.page.evaluate(READ_TABLE)
 
     def verdicts(self) -> list[str]:
         """What is said of each pane over the canvas."""
@@ -200,32 +127,6 @@ class Explorer:
     def code(self) -> str:
         """What the Share box holds."""
         return self.field("State").input_value()
-
-    def state(self) -> State:
-        """The state of the Share box; it is kept up while nothing plays."""
-        return decode(self.code())
-
-    def expect_numbers(self, state: State) -> None:
-        """Wait until the readout says what it must for a state."""
-        expected = numbers_of(state)
-        self.wait_until(f"the numbers {expected}", lambda: self.numbers() == expected)
-
-    def expect_to_agree(self) -> State:
-        """Wait until the readout fits the Share box, and see that it stays so; the state."""
-        self.wait_until("readout and state to agree", lambda: self.numbers() == numbers_of(self.state()))
-        state = self.state()
-        self.pause(SETTLING)
-        assert self.state() == state, "the state changed by itself"
-        assert self.numbers() == numbers_of(state), "the readout changed by itself"
-        return state
-
-    def expect_alive(self) -> None:
-        """See that the page still reacts: first and next iteration are shown."""
-        self.press("First (R)")
-        self.wait_until("the first iteration", lambda: self.iteration() == 0)
-        self.pause()
-        self.press("Next (N)")
-        self.wait_until("the next iteration", lambda: self.iteration() == 1)
 
     def notifications(self) -> list[str]:
         """The messages on the page, without the browser's own about software rendering."""
@@ -251,10 +152,6 @@ class Explorer:
         """Where the lesson is, in words; None when there is none."""
         shown = self.page.locator(".lesson")
         return shown.inner_text().split(" · ")[-1] if shown.count() else None
-
-    def expect_step(self, number: int, of: int) -> None:
-        """Wait until a lesson is at a step."""
-        self.wait_until(f"step {number}", lambda: self.step() == f"Step {number} of {of}")
 
     # What can be done
 

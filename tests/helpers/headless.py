@@ -53,10 +53,14 @@ class Widget(msgspec.Struct, frozen=True):
     body: str = ""
 
 
-class _Message(msgspec.Struct):
+class Message(msgspec.Struct):
+    """What a server sends; what is packed once more is left packed."""
+
     type: str
     uuid: str = ""
+    container_uuid: str = ""
     name: str = ""
+    value: msgspec.Raw = msgspec.Raw(b"")
     props: msgspec.Raw = msgspec.Raw(b"\x80")
     updates: dict[str, msgspec.Raw] = {}
     filename: str = ""
@@ -175,7 +179,7 @@ class HeadlessTab:
         window = self._unpack.decompress(data[_HEAD : _HEAD + packed])
         is_frame = False
         for raw in msgspec.msgpack.decode(window, type=_Window).messages:
-            message = msgspec.msgpack.decode(raw, type=_Message)
+            message = msgspec.msgpack.decode(raw, type=Message)
             is_frame |= message.name == SCENE and "points" in message.updates
             self._note(message)
         if is_frame:
@@ -184,7 +188,7 @@ class HeadlessTab:
                 self.counts.waited.append(time.perf_counter() - self._asked)
                 self._asked = None
 
-    def _note(self, message: _Message) -> None:
+    def _note(self, message: Message) -> None:
         if message.type == "GuiRemoveMessage":
             self.widgets.pop(message.uuid, None)
             self.charts.discard(message.uuid)
