@@ -2,20 +2,23 @@
 //
 // It stands before viser's own script, which knows nothing of it. Every connection that viser makes tells the server the
 // fragment, in its own address; so a page that is opened, loaded again, or found by a server that was started anew is
-// what its address says. Each page has a name, by which a server that still runs gives back what it had computed. The server writes what the page came to show into an invisible element, and from there it goes
-// back into the address. Another fragment, typed or pasted, is a new connection. While there is none, a banner says so.
+// what its address says. Each page has a name, by which a server that still runs gives back what it had computed. The
+// server writes what the page came to show into an invisible element, and from there it goes back into the address. Another fragment, typed or pasted, is a new connection. While there is none, a banner says so.
 (() => {
   const LONGEST = 2000; // characters; the server says that it is too long when there is one more
   const CALM = 400; // milliseconds; browsers refuse to change an address many times a second
 
-  let fragment = location.hash.slice(1);
+  // A link may have them after ? as well, where mail programs and course pages leave them alone.
+  const query = new URLSearchParams(location.search);
+  const asked = ["lesson", "state"].filter((key) => query.has(key));
+  let fragment = location.hash.slice(1) || asked.map((key) => `${key}=${encodeURIComponent(query.get(key))}`).join("&");
   let connection = null; // viser's worker, which holds the socket
   let published = null; // the element that was read last
   let copied = null;
   let writing = null;
 
   // viser would take a fragment for a part of its server's name, and another server from an address that says so.
-  const token = new URLSearchParams(location.search).get("token");
+  const token = query.get("token");
   const page = location.pathname + (token === null ? "" : `?token=${encodeURIComponent(token)}`);
   history.replaceState(null, "", page);
 

@@ -95,7 +95,7 @@ def test_another_fragment_in_an_open_page_leads_to_its_page_and_back_to_the_one_
 
 def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(open_explorer: OpenExplorer):
     explorer = open_explorer(wait=False)
-    open_at(explorer, "lesson=histogram/2")
+    explorer.page.goto(f"{explorer.app.url}/?lesson=histogram/2")
     count = explorer.page.get_by_text(f"Step 2 of {len(lesson('histogram').steps)}")
     count.wait_for()
     explorer.press("New seed")
