@@ -7,6 +7,12 @@ from ido_viz.core.state import State
 from ido_viz.core.verdict import Verdict
 
 _LONGEST_NAME = 40  # characters
+_SHORT_SIDES = {"clockwise": "clockw.", "anticlockwise": "anticl."}
+
+
+def short_side(name: str) -> str:
+    """The name of a block's side, short enough to stand below a sixth of a chart."""
+    return _SHORT_SIDES.get(name, name)
 
 
 def scene_line(state: State) -> str:

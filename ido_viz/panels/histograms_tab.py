@@ -11,12 +11,12 @@ from ido_viz.core import palette
 from ido_viz.core.chart_data import histogram_data
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.state import State
+from ido_viz.core.wording import short_side
 from ido_viz.panels.markup import caption, method_span
 from ido_viz.panels.plot import Plot, axis_font, dots
 
 _LARGER_TEXT_TAKES = 22  # pixels of a chart's height, so that both charts stay in sight
 _TOP = 1.8  # of the y axis; the reference line of each block peaks at 1
-_SHORT = {"clockwise": "clockw.", "anticlockwise": "anticl."}
 
 
 class HistogramsTab:
@@ -109,7 +109,7 @@ def _axes(side: SideFrame, state: State) -> list[Any]:
             "scale": "x",
             "side": 2,
             "splits": [(i + 0.5) * n_model for i in range(len(names))],
-            "values": [_SHORT.get(name, name) for name in names],
+            "values": [short_side(name) for name in names],
             "grid": {"show": False},
             "ticks": {"show": False},
             "size": 22 if state.large_text else 18,

@@ -17,6 +17,7 @@ from ido.poses import PARAMETERS
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.state import NO_POINT, State
+from ido_viz.core.wording import short_side
 from ido_viz.panels.markup import caption, method_span, no_maps
 
 COMPARED = (1, 15, 30)
@@ -117,7 +118,7 @@ def heatmap_html(
     rows = "".join(f'<div style="height:{_ROW}px">{name}</div>' for name in PARAMETERS)
     names = "".join(
         f'<div style="flex:1;text-align:center;border-top:3px solid {palette.css(palette.block_color(block, i))};'
-        f'overflow:hidden;text-overflow:ellipsis">{html.escape(side)}</div>'
+        f'overflow:hidden;text-overflow:ellipsis">{html.escape(short_side(side))}</div>'
         for i, block in enumerate(maps.histogram.blocks)
         for side in block.sides
     )

@@ -143,7 +143,7 @@ def test_a_heatmap_has_a_row_for_each_coordinate_and_a_column_for_each_bin():
     rows = pixels.reshape(6, -1, *pixels.shape[1:])
     assert (rows == rows[:, :1]).all()
     text = Page(source).text
-    for name in ("ρx", "ρy", "ρz", "φx", "φy", "φz", "front", "back", "up", "down", "clockwise", "anticlockwise"):
+    for name in ("ρx", "ρy", "ρz", "φx", "φy", "φz", "front", "back", "up", "down", "clockw.", "anticl."):
         assert name in text
 
 
