@@ -7,6 +7,7 @@ import pytest
 
 from ido import HISTOGRAMS, Cloud, Histogram, Model, TrainingSettings
 from ido.folding import Folding
+from ido.histograms import SceneBatch
 from ido.training import solve, training_scenes
 from ido.types import FloatArray
 
@@ -19,9 +20,15 @@ def histogram(request: pytest.FixtureRequest, small_model: Model) -> Histogram:
 
 
 @pytest.fixture(scope="module")
-def described(histogram: Histogram, bunny: Cloud) -> tuple[FloatArray, FloatArray]:
+def drawn(bunny: Cloud) -> tuple[SceneBatch, FloatArray]:
+    """Training scenes and their true x, the same for all histograms."""
+    return training_scenes(bunny, SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def described(histogram: Histogram, drawn: tuple[SceneBatch, FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Histograms of training scenes where they lie, and their true x."""
-    scenes, x_true = training_scenes(bunny, SETTINGS)
+    scenes, x_true = drawn
     return histogram.batch(scenes, np.zeros_like(x_true)), x_true
 
 
