@@ -6,7 +6,6 @@ import os
 import signal
 import sqlite3
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -19,23 +18,19 @@ from ido.experiments.execution import Experiment, run_chunk
 from ido.experiments.store import Row, Store
 from ido.files import save_cloud
 
-pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs `distributed`")
-
 SMALL = ("--datasets", "bunny", "--sweeps", "noise", "outliers", "--methods", "DO", "ICP, default", "--scenes", "2")
 
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    import distributed  # takes a second to import, which other tests need not wait for
-
+    distributed = pytest.importorskip("distributed")  # takes a second, which other tests need not wait for
     options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
     with distributed.LocalCluster(**options) as cluster:
         yield cluster
 
 
 def worker_pids(cluster: Any) -> set[int]:
-    import distributed
-
+    distributed = pytest.importorskip("distributed")
     with distributed.Client(cluster.scheduler_address) as client:
         return set(client.run(os.getpid).values())
 
@@ -70,8 +65,7 @@ def test_a_killed_worker_loses_nothing_and_nothing_is_recorded_twice(
 
 
 def test_no_cluster_at_an_address_is_one_clear_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
-    import dask
-
+    dask = pytest.importorskip("dask")
     path = tmp_path / "a.sqlite"
     with dask.config.set({"distributed.comm.timeouts.connect": "1s"}):
         assert cli.main(["experiment", "run", "--dask", "tcp://127.0.0.1:1", "-o", str(path)]) == 2
