@@ -65,6 +65,7 @@ def test_a_killed_worker_loses_nothing_and_nothing_is_recorded_twice(
 
 
 def test_no_cluster_at_an_address_is_one_clear_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
+    pytest.importorskip("distributed")  # before its settings are changed, for it brings their defaults
     dask = pytest.importorskip("dask")
     path = tmp_path / "a.sqlite"
     with dask.config.set({"distributed.comm.timeouts.connect": "1s"}):
