@@ -20,7 +20,7 @@ from ido.experiments.beyond import ALL_LEVELS, BEYOND
 from ido.experiments.execution import FAILED, MOST_SCENES, Experiment, run
 from ido.experiments.families import COMPARED_METHODS
 from ido.experiments.report import report_command
-from ido.experiments.store import Row, Store
+from ido.experiments.store import Row, Store, check_folder
 from ido.experiments.sweeps import LEVELS
 from ido.experiments.tune import tune_command
 from ido.experiments.workers import executor_of
@@ -79,6 +79,7 @@ def run_command(
         workers: Processes on this machine. Default: one for each core.
         dask: Work on the Dask cluster with this scheduler (tcp://HOST:PORT), whose workers have this program, too.
     """
+    check_folder(output)
     its_sweeps = tuple(LEVELS if what == "paper" else BEYOND)
     if strange := set(sweeps or ()) - set(its_sweeps):
         raise ValueError(f"{', '.join(sorted(strange))}: not of this experiment; choose from {', '.join(its_sweeps)}")

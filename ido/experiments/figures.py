@@ -77,10 +77,9 @@ def as_svg_and_png(
     figure: Figure, dots_per_inch: int, of_svg: dict[str, Any], of_png: dict[str, Any] | None = None
 ) -> tuple[bytes, bytes]:
     """Both files, with their metadata. The figure is laid out once and drawn once for each; `savefig` does it twice."""
-    engine = figure.get_layout_engine()
-    if engine is not None:
-        engine.execute(figure)
-        figure.set_layout_engine("none")
+    if layout := figure.get_layout_engine():
+        layout.execute(figure)
+    figure.set_layout_engine("none")
     svg, png = io.BytesIO(), io.BytesIO()
     figure.set_dpi(dots_per_inch)
     FigureCanvasSVG(figure).print_svg(svg, metadata=of_svg)

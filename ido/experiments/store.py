@@ -113,8 +113,7 @@ class Store:
             StoreError: the file is foreign, damaged, of another version or in use by another run; or it holds rows of
                 the same dataset or method with other settings.
         """
-        if not path.parent.is_dir():
-            raise StoreError(f"{path.parent}: no such folder")
+        check_folder(path)
         with _clear_errors(path), closing(_connect(path, "rwc")) as connection:
             _check(connection, path)
             connection.execute("PRAGMA journal_mode = WAL")
@@ -192,6 +191,16 @@ class Store:
             "INSERT OR IGNORE INTO methods VALUES (?, ?, ?)",
             [(*key, _as_json(settings)) for key, settings in methods.items()],
         )
+
+
+def check_folder(path: Path) -> None:
+    """Whether a file can be there at all, which is known before any work.
+
+    Raises:
+        StoreError: there is no such folder.
+    """
+    if not path.parent.is_dir():
+        raise StoreError(f"{path.parent}: no such folder")
 
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:

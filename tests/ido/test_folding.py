@@ -20,14 +20,15 @@ def histogram(request: pytest.FixtureRequest, small_model: Model) -> Histogram:
 
 
 @pytest.fixture(scope="module")
-def scenes_and_poses(bunny: Cloud) -> tuple[SceneBatch, FloatArray]:
+def drawn(bunny: Cloud) -> tuple[SceneBatch, FloatArray]:
+    """Training scenes and their true x, the same for all histograms."""
     return training_scenes(bunny, SETTINGS)
 
 
 @pytest.fixture(scope="module")
-def described(histogram: Histogram, scenes_and_poses: tuple[SceneBatch, FloatArray]) -> tuple[FloatArray, FloatArray]:
+def described(histogram: Histogram, drawn: tuple[SceneBatch, FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Histograms of training scenes where they lie, and their true x."""
-    scenes, x_true = scenes_and_poses
+    scenes, x_true = drawn
     return histogram.batch(scenes, np.zeros_like(x_true)), x_true
 
 

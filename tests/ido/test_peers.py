@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import open3d as o3d
 import pytest
 
 from ido import Cloud, Perturbation, Scene, StopReason, cli, perturb, score, shipped_cloud
@@ -85,6 +84,8 @@ def test_kiss_matcher_is_the_librarys_own_call_and_tells_where_it_finds_nothing(
 
 def test_ransac_and_fgr_follow_open3ds_tutorial(bunny: Cloud, scene: Scene):
     """The tutorial's own lines, with its voxel; RANSAC and FGR then differ in what they match with."""
+    import open3d as o3d  # takes 2 s to import, which other tests need not wait for
+
     voxel, registration = 0.1, o3d.pipelines.registration
 
     def preprocessed(points: np.ndarray) -> tuple[Any, Any]:
