@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from any_explorer import AT_THE_END, AT_THE_START
-from explorer import SMALL, Explorer, OpenExplorer, page_without_3d
+from explorer import SMALL, Explorer, OpenExplorer, page_that_rests, page_without_3d
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz import requests
@@ -93,7 +93,7 @@ def open_explorer(browser: Browser, app_for: Callable[[State], App], draws: bool
 
 def new_page(app: App, browser: Browser, size: tuple[int, int], draws: bool) -> Explorer:
     viewport = ViewportSize(width=size[0], height=size[1])
-    page = browser.new_page(viewport=viewport) if draws else page_without_3d(browser, viewport=viewport)
+    page = (page_that_rests if draws else page_without_3d)(browser, viewport=viewport)
     return Explorer(app, page)
 
 
@@ -112,13 +112,12 @@ def explorer(browser: Browser, kept_pages: dict[bool, Explorer], draws: bool) ->
     kept = kept_pages.pop(draws, None)  # one that cannot be put back is not kept
     if kept is None:
         kept = new_page(App(AT_THE_END, port=0), browser, SMALL, draws).open()
-    elif not draws:
+    else:
         kept.rest(False)
     yield kept
     assert kept.errors == []
     kept.put_back(AT_THE_END)
-    if not draws:
-        kept.rest(True)
+    kept.rest(True)
     kept_pages[draws] = kept
 
 

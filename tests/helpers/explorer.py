@@ -52,20 +52,23 @@ READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
 )"""  # at once: the table is replaced many times a second
 
-WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
-    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
-        if (of.prototype[name]) of.prototype[name] = () => {};
-const nextFrame = requestAnimationFrame;
+WITH_RESTS = """const nextFrame = requestAnimationFrame;
 const resting = [];
+window.betweenFrames = 0;
 window.requestAnimationFrame = draw =>
-    window.atRest ? (resting.push(draw), 0) : setTimeout(() => nextFrame(draw), 40);
+    window.atRest ? (resting.push(draw), 0) : setTimeout(() => nextFrame(draw), window.betweenFrames);
 window.cancelAnimationFrame = clearTimeout;
 window.rest = atRest => {
     window.atRest = atRest;
     if (!atRest) resting.splice(0).forEach(draw => nextFrame(draw));
 };"""
-"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test.
-Between tests the page is at rest and costs nothing."""
+"""A page that can rest: it is drawn no more, and costs nothing, until it is used again."""
+
+WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
+    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
+        if (of.prototype[name]) of.prototype[name] = () => {};
+window.betweenFrames = 40;"""
+"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test."""
 
 
 OpenExplorer = Callable[..., "Explorer"]
@@ -102,7 +105,7 @@ class Explorer(AnyExplorer):
         self.open_tab("Scene")
 
     def rest(self, at_rest: bool) -> None:
-        """Let a page whose 3D scene is not drawn cost nothing until it is used again, or use it again."""
+        """Let a page cost nothing until it is used again, or use it again."""
         self.page.evaluate("atRest => rest(atRest)", at_rest)
 
     def wait_ready(self) -> Explorer:
@@ -276,9 +279,16 @@ class Explorer(AnyExplorer):
         return self.heatmaps().evaluate_all("images => images.map(image => image.src)")
 
 
+def page_that_rests(browser: Browser, **options: Any) -> Page:
+    """A new page of a browser that can rest."""
+    page = browser.new_page(**options)
+    page.add_init_script(WITH_RESTS)
+    return page
+
+
 def page_without_3d(browser: Browser, **options: Any) -> Page:
     """A new page of a browser, whose 3D scene is not drawn."""
-    page = browser.new_page(**options)
+    page = page_that_rests(browser, **options)
     page.add_init_script(WITHOUT_DRAWING)
     return page
 
