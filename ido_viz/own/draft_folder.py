@@ -93,18 +93,28 @@ class DraftFolder:
 
     def _read(self, name: str, content: bytes) -> None:
         self._upload.disabled = True
+        before = self.draft, self.cost
+        self._become(None, None)  # or the draft before would be named and trained while the new one is read
         self._text.content = caption(f"Reading {html.escape(shown_name(name))}…")
         try:
             draft, cost = self._workshop.drafted(name, content)
-        except CloudError as error:
-            self._text.content = caption(f"<b>This file cannot be used.</b> {html.escape(str(error))}")
         except Exception as error:  # the page must outlive it, and the person hear of it
-            _log.exception("upload failed")
-            self._text.content = caption(f"<b>This file cannot be used.</b> {html.escape(repr(error))}")
+            if not isinstance(error, CloudError):
+                _log.exception("upload failed")
+            said = str(error) if isinstance(error, CloudError) else repr(error)
+            self._become(*before)
+            self._text.content = caption(f"<b>This file cannot be used.</b> {html.escape(said)}")
         else:
             self.begin(draft, cost)
         finally:
             self._upload.disabled = False
+
+    def _become(self, draft: Draft | None, cost: Cost | None) -> None:
+        """Have a draft, or none, with nothing said of it."""
+        self.draft, self.cost = draft, cost
+        self._folder.visible = draft is not None
+        self._show()
+        self._changed()
 
     def _take(self) -> None:
         """Make the draft what the widgets say."""

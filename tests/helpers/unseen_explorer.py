@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
+import uuid
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
@@ -179,6 +180,15 @@ class UnseenExplorer(AnyExplorer):
     def click_bin(self, pane: int, number: int) -> None:
         """Click into the row of a bin in the list."""
         self.set("Picked bin", f"bin {pane} {number} 1")
+
+    def upload(self, button: str, name: str, content: bytes) -> None:
+        """Choose a file for a button that takes one."""
+        (props,) = self._tab.seen("label", button)
+        assert not props.get("disabled"), f"{button} cannot be pressed"
+        transfer = {"source_component_uuid": props["uuid"], "transfer_uuid": uuid.uuid4().hex}
+        size = {"part_count": 1, "size_bytes": len(content)}
+        self._do(self._tab.send(type="FileTransferStartUpload", filename=name, mime_type="", **transfer, **size))
+        self._do(self._tab.send(type="FileTransferPart", part_index=0, content=content, **transfer))
 
     def open_tab(self, name: str) -> None:
         """Open a tab of a panel."""
