@@ -25,6 +25,7 @@ import psutil
 import tyro
 
 sys.path.insert(0, str(Path(__file__).parent / "helpers"))
+sys.path.append(str(Path(__file__).parents[1]))  # or the folders of tests would be taken for the packages
 
 from headless import HeadlessTab
 

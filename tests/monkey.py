@@ -14,6 +14,7 @@ from typing import Any
 import tyro
 
 sys.path.insert(0, str(Path(__file__).parent / "helpers"))
+sys.path.append(str(Path(__file__).parents[1]))  # or the folders of tests would be taken for the packages
 
 from headless import CAMERA, HeadlessTab, Widget
 from load import Server, started

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import load
+import pytest
 from headless import run
+
+HERE = Path(__file__).parent
 
 
 async def idle(server: load.Server) -> float:
@@ -25,6 +32,12 @@ async def idle(server: load.Server) -> float:
 def test_idle_tabs_cost_nothing():
     with load.started() as server:
         assert run(idle(server)) < 0.1
+
+
+@pytest.mark.parametrize("script", ["load.py", "monkey.py"])
+def test_the_scripts_find_the_program_when_they_are_run_by_hand(script: str, tmp_path: Path):
+    code = f"import runpy, sys; sys.path[0] = {str(HERE)!r}; runpy.run_path({str(HERE / script)!r}); import ido_viz.app"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path, env=os.environ | {"PYTHONPATH": ""})
 
 
 def test_every_tab_of_a_small_class_gets_its_frames_few_bytes_each_and_is_freed():
