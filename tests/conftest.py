@@ -17,7 +17,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """What workers inherit, which start later: linear algebra in one thread, for more would only wait for each other.
 
     And modules that are compiled are kept, or all workers and the processes that tests start compile them anew. Open3D
-    has one thread in any case, as in the experiments: with several its RANSAC may end elsewhere each time.
+    has one thread, as in the experiments.
     """
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     if config.getoption("numprocesses", None):

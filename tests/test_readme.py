@@ -83,7 +83,7 @@ def test_the_explorer_takes_the_own_method_and_feature():
 
 def test_maps_of_the_own_feature_are_trained_and_explored(tmp_path: Path):
     """With less of everything than is printed, and files in other folders; the rest of the commands as it is."""
-    places = {"bunny.ply": str(ROOT / "assets" / "bunny.ply"), "mine.npz": str(tmp_path / "mine.npz")}
+    places = {"assets/bunny.ply": str(ROOT / "assets" / "bunny.ply"), "mine.npz": str(tmp_path / "mine.npz")}
     train, explore = ([places.get(arg, arg) for arg in command] for command in commands("mine.npz"))
     train = train[: train.index("--samples")]
     assert cli.main([*train, "--samples", "20", "--maps", "2"]) is None
@@ -97,7 +97,7 @@ def test_maps_of_the_own_feature_are_trained_and_explored(tmp_path: Path):
 
 
 def test_commands_on_ones_own_cloud_are_taken():
-    trained = [args[args.index("-o") + 1] for args in commands("ido train bunny.ply")]
+    trained = [args[args.index("-o") + 1] for args in commands("ido train assets/bunny.ply")]
     assert trained == ["do.npz", "improved.npz", "mine.npz"]
-    (explore,) = commands("--cloud bunny.ply --maps do.npz")
+    (explore,) = commands("--cloud assets/bunny.ply --maps do.npz")
     assert tyro.cli(Options, args=explore).maps == tuple(map(Path, trained[:2]))

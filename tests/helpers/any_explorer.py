@@ -179,7 +179,7 @@ class AnyExplorer(ABC):
         """See that the page still reacts: first and next iteration are shown."""
         self.press("First (R)")
         self.wait_until("the first iteration", lambda: self.iteration() == 0)
-        self.pause()
+        self.pause(SETTLING)  # it may have been there before; what follows at once may be done before it
         self.press("Next (N)")
         self.wait_until("the next iteration", lambda: self.iteration() == 1)
 

@@ -114,10 +114,11 @@ class HeadlessTab:
         await self.until("a first frame", lambda: self.counts.frames > 0)
 
     async def close(self) -> None:
-        """Leave, as a tab that is closed."""
-        assert self._connection is not None and self._listening is not None
-        await self._connection.close()
-        await self._listening
+        """Leave, as a tab that is closed, perhaps before it had come."""
+        if self._connection is not None:
+            await self._connection.close()
+        if self._listening is not None:
+            await self._listening
 
     async def until(self, what: str, there: Callable[[], object], patience: float = _PATIENCE) -> None:
         """Wait for something, so many seconds at most.

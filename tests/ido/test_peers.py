@@ -54,7 +54,7 @@ def test_by_name_they_give_the_same_pose_twice_and_refuse_bad_clouds(name: str, 
     assert method.name == name and method.settings == PEERS[name].settings
     points = perturb(bunny, Perturbation(seed=2)).points
     one, other = (method.register(points).T_model_scene[-1] for _ in range(2))
-    if not name.startswith("KISS"):  # its threads add up in any order
+    if not name.startswith(("KISS", "Open3D RANSAC")):  # their threads end in any order
         assert np.allclose(one, other, atol=1e-6)
     with pytest.raises(ValueError, match="not finite"):
         method.register(np.full((10, 3), np.nan))
