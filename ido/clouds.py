@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from scipy.spatial import KDTree
 
-from ido.types import FloatArray, IntArray
+from ido.types import FloatArray
 
 MODEL_POINTS = 514
 """Number of model points, as in the paper."""
@@ -104,29 +104,16 @@ class Model:
         Flipping a normal swaps two bins and their weights, so the orientation changes no result; it is fixed for
         the pictures' sake: ``outward`` from the centroid, or ``up`` (+z) for terrain.
         """
+        import open3d as o3d  # takes 2 s to import
+
         if len(cloud.points) < n_points:
             raise CloudError(f"the cloud has {len(cloud.points)} points, a model needs at least {n_points}")
-        points = cloud.points[spread_evenly(cloud.points, n_points)].astype(np.float64)
+        dense = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(cloud.points.astype(np.float64)))
+        points = np.asarray(dense.farthest_point_down_sample(n_points).points)
         if len(np.unique(points, axis=0)) < n_points:
             raise CloudError(f"the cloud has fewer than {n_points} different points; give a denser one")
         hint = points - points.mean(axis=0) if orientation == "outward" else np.array([0.0, 0.0, 1.0])
         return cls(points.astype(np.float32), local_normals(points, hint).astype(np.float32))
-
-
-def spread_evenly(points: FloatArray, n: int) -> IntArray:
-    """Farthest-point sampling: the indices of n points, in rising order, shape (n,).
-
-    The first point is the first one chosen; each other one is farthest from those before it. Of points (N, 3) fewer
-    than n of which are different some are chosen twice. Those of Open3D, without the 2 s that its import takes.
-    """
-    axes = np.ascontiguousarray(points.T, dtype=np.float64)
-    chosen = np.zeros(n, dtype=np.intp)
-    gaps = np.full(len(points), np.inf)  # squared, to the nearest chosen one
-    for k in range(1, n):
-        away = axes - axes[:, chosen[k - 1], None]
-        np.minimum(gaps, np.einsum("ij,ij->j", away, away), out=gaps)
-        chosen[k] = gaps.argmax()
-    return np.sort(chosen)
 
 
 def local_normals(points: FloatArray, hint: FloatArray) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+import open3d as o3d
 import pytest
 import scipy.optimize
 from scipy.spatial.transform import Rotation
@@ -158,8 +159,6 @@ def test_mirrored_clouds_are_turned_not_mirrored(model: DoubleArray) -> None:
 
 @pytest.mark.parametrize("cutoff", [float("inf"), 0.4])
 def test_icp_is_open3ds(cutoff: float, scene: Scene, model: DoubleArray) -> None:
-    import open3d as o3d  # takes 2 s to import, which other tests need not wait for
-
     ours = ICP(cutoff=cutoff, tolerance=0, max_iterations=12).register(model, scene.points)
     clouds = [o3d.geometry.PointCloud(o3d.utility.Vector3dVector(c.astype(float))) for c in (scene.points, model)]
     criteria = o3d.pipelines.registration.ICPConvergenceCriteria(

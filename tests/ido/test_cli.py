@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import open3d as o3d
 import psutil
 import pytest
 
@@ -45,8 +46,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory, bunny: Cloud) -> Path:
 @pytest.fixture
 def T_scene_model(folder: Path, bunny: Cloud) -> FloatArray:
     """The true pose of `scene.pcd`, which it writes, in the user's units: 20 degrees and a tenth of the size."""
-    import open3d as o3d  # takes 2 s to import, which other tests need not wait for
-
     p = Perturbation(noise=0.005, points=1500, outliers=0, incomplete=0, rotation=20, translation=0.1)
     scene = perturb(bunny, p)
     points = o3d.utility.Vector3dVector(FRAME.to_user_units(scene.points))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from ido import Cloud, CloudError, CloudWarning, Model, clouds, poses, shipped_cloud
-from ido.clouds import Frame, local_normals, spread_evenly
+from ido import Cloud, CloudError, CloudWarning, Model, clouds, poses
+from ido.clouds import Frame, local_normals
 from ido.types import FloatArray
 
 POINTS = np.random.default_rng(0).normal([300, -20, 5], [40, 10, 2], (60, 3))
@@ -47,17 +47,6 @@ def test_model_points_are_cloud_points_spread_evenly(bunny: Cloud, full_model: M
     reach = KDTree(full_model.points).query(bunny.points)[0].max()
     assert reach <= gaps.min() * 1.001  # farthest-point sampling: no cloud point is farther than the smallest gap
     np.testing.assert_allclose(np.linalg.norm(full_model.normals, axis=1), 1, atol=1e-6)
-
-
-@pytest.mark.parametrize("n_points", [1, 80, 514])
-@pytest.mark.parametrize("shape", ["bunny", "urban", "grid"])
-def test_model_points_are_those_of_open3d(shape: str, n_points: int):
-    grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 9)] * 3), axis=-1).reshape(-1, 3)  # nearly all gaps are equal
-    points = grid if shape == "grid" else shipped_cloud(shape).points
-    o3d = pytest.importorskip("open3d")
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points.astype(np.float64)))
-    theirs = np.asarray(cloud.farthest_point_down_sample(n_points).points)
-    np.testing.assert_array_equal(points[spread_evenly(points, n_points)], theirs)
 
 
 def test_normals_of_a_sphere_point_outward_and_those_of_a_plane_up():

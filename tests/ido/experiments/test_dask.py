@@ -18,19 +18,20 @@ from ido.experiments.execution import Experiment, run_chunk
 from ido.experiments.store import Row, Store
 from ido.files import save_cloud
 
+dask = pytest.importorskip("dask")
+distributed = pytest.importorskip("distributed")
+
 SMALL = ("--datasets", "bunny", "--sweeps", "noise", "outliers", "--methods", "DO", "ICP, default", "--scenes", "2")
 
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    distributed = pytest.importorskip("distributed")  # takes a second, which other tests need not wait for
     options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
     with distributed.LocalCluster(**options) as cluster:
         yield cluster
 
 
 def worker_pids(cluster: Any) -> set[int]:
-    distributed = pytest.importorskip("distributed")
     with distributed.Client(cluster.scheduler_address) as client:
         return set(client.run(os.getpid).values())
 
@@ -65,8 +66,6 @@ def test_a_killed_worker_loses_nothing_and_nothing_is_recorded_twice(
 
 
 def test_no_cluster_at_an_address_is_one_clear_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
-    pytest.importorskip("distributed")  # before its settings are changed, for it brings their defaults
-    dask = pytest.importorskip("dask")
     path = tmp_path / "a.sqlite"
     with dask.config.set({"distributed.comm.timeouts.connect": "1s"}):
         assert cli.main(["experiment", "run", "--dask", "tcp://127.0.0.1:1", "-o", str(path)]) == 2

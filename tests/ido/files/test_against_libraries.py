@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import open3d as o3d
 import pytest
 import trimesh
 from plyfile import PlyData, PlyElement
@@ -88,8 +89,6 @@ def test_pcd_of_every_type(tmp_path: Path, encoding: Encoding):
 
 @pytest.mark.parametrize(("ascii", "compressed"), [(True, False), (False, False), (False, True)])
 def test_pcd_as_open3d_writes_it(tmp_path: Path, ascii: bool, compressed: bool):
-    import open3d as o3d  # takes 2 s to import, which other tests need not wait for
-
     near = POINTS - POINTS.mean(axis=0)  # it writes 32 bits
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(near))
     cloud.normals = o3d.utility.Vector3dVector(near / np.linalg.norm(near, axis=1, keepdims=True))
@@ -115,8 +114,6 @@ def test_pcd_fields_of_several_numbers_and_room_between_fields(tmp_path: Path):
 
 
 def test_ply_that_is_written_is_read_by_others(tmp_path: Path):
-    import open3d as o3d  # takes 2 s to import, which other tests need not wait for
-
     triangles = np.array([[0, 1, 2], [2, 3, 4]])
     save_cloud(tmp_path / "a.ply", CloudFile(POINTS, columns(), triangles))
     read = PlyData.read(tmp_path / "a.ply")

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import open3d as o3d
 import pytest
 import trimesh
 from cloud_files import VARIANTS, Variant
@@ -27,14 +28,10 @@ def write_trimesh(path: Path, points: FloatArray) -> None:
 
 
 def write_open3d(path: Path, points: FloatArray) -> None:
-    import open3d as o3d  # takes 2 s to import, which other tests need not wait for
-
     assert o3d.io.write_point_cloud(path, o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points)))
 
 
 def write_open3d_ascii(path: Path, points: FloatArray) -> None:
-    import open3d as o3d  # takes 2 s to import, which other tests need not wait for
-
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
     assert o3d.io.write_point_cloud(path, cloud, write_ascii=True)
 
