@@ -16,10 +16,8 @@ SMALL_TRAINING = TrainingSettings(samples=600, maps=8)
 def pytest_configure(config: pytest.Config) -> None:
     """What workers inherit, which start later: linear algebra in one thread, for more would only wait for each other.
 
-    And modules that are compiled are kept, or all workers and the processes that tests start compile them anew. Open3D
-    has one thread, as in the experiments.
+    And modules that are compiled are kept, or all workers and the processes that tests start compile them anew.
     """
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     if config.getoption("numprocesses", None):
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
