@@ -76,5 +76,6 @@ def test_absurd_input_does_no_harm(explorer: Explorer):
             assert left == "" or low <= float(left) <= high, f"{label} {left} after {text!r}"
         if label == "Most iterations":
             explorer.type_into(label, "100")  # or every change that follows takes seconds
+            explorer.wait_until("more than one iteration", lambda: explorer.last_iteration() > 1)  # or Next is the last
         explorer.expect_alive()
     explorer.expect_to_agree()

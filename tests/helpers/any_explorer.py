@@ -146,7 +146,7 @@ class AnyExplorer(ABC):
         """Wait until something is true."""
         deadline = time.monotonic() + PATIENCE
         while not condition():
-            assert time.monotonic() < deadline, f"waited in vain for: {what}"
+            assert time.monotonic() < deadline, f"waited in vain for: {what}; the page has {self.readout()}"
             self.pause(30)
 
     def iteration(self) -> int:
@@ -179,7 +179,7 @@ class AnyExplorer(ABC):
         """See that the page still reacts: first and next iteration are shown."""
         self.press("First (R)")
         self.wait_until("the first iteration", lambda: self.iteration() == 0)
-        self.pause(SETTLING)  # it may have been there before; what follows at once may be done before it
+        self.pause()
         self.press("Next (N)")
         self.wait_until("the next iteration", lambda: self.iteration() == 1)
 
