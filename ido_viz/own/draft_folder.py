@@ -68,13 +68,11 @@ class DraftFolder:
 
     def begin(self, draft: Draft, cost: Cost | None) -> None:
         """Show another draft; its cost may follow with `set_cost`."""
-        self.draft, self.cost = draft, cost
         self._name.value, self._side.value = draft.name, side_text(draft)
         self._show_values(draft)
-        self._folder.visible = True
         self._preview_box.value = True
+        self._become(draft, cost)
         self._show()
-        self._changed()
 
     def set_cost(self, cost: Cost | None) -> None:
         """Say what training costs, once it was measured."""
@@ -98,22 +96,25 @@ class DraftFolder:
         self._text.content = caption(f"Reading {html.escape(shown_name(name))}…")
         try:
             draft, cost = self._workshop.drafted(name, content)
+        except CloudError as error:
+            self._refuse(str(error), *before)
         except Exception as error:  # the page must outlive it, and the person hear of it
-            if not isinstance(error, CloudError):
-                _log.exception("upload failed")
-            said = str(error) if isinstance(error, CloudError) else repr(error)
-            self._become(*before)
-            self._text.content = caption(f"<b>This file cannot be used.</b> {html.escape(said)}")
+            _log.exception("upload failed")
+            self._refuse(repr(error), *before)
         else:
             self.begin(draft, cost)
         finally:
             self._upload.disabled = False
 
+    def _refuse(self, why: str, draft: Draft | None, cost: Cost | None) -> None:
+        """Say what is wrong with a file, and go on with the draft before."""
+        self._become(draft, cost)
+        self._text.content = caption(f"<b>This file cannot be used.</b> {html.escape(why)}")
+
     def _become(self, draft: Draft | None, cost: Cost | None) -> None:
-        """Have a draft, or none, with nothing said of it."""
+        """Have a draft to change and to train on, or none; the picture stays, so that nothing jumps."""
         self.draft, self.cost = draft, cost
         self._folder.visible = draft is not None
-        self._show()
         self._changed()
 
     def _take(self) -> None:

@@ -3,7 +3,8 @@
 // It stands before viser's own script, which knows nothing of it. Every connection that viser makes tells the server the
 // fragment, in its own address; so a page that is opened, loaded again, or found by a server that was started anew is
 // what its address says. Each page has a name, by which a server that still runs gives back what it had computed. The
-// server writes what the page came to show into an invisible element, and from there it goes back into the address. Another fragment, typed or pasted, is a new connection. While there is none, a banner says so.
+// server writes what the page came to show into an invisible element, and from there it goes back into the address.
+// Another fragment, typed or pasted, is a new connection. While there is none, a banner says so.
 (() => {
   const LONGEST = 2000; // characters; the server says that it is too long when there is one more
   const CALM = 400; // milliseconds; browsers refuse to change an address many times a second

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 from any_explorer import AT_THE_END, AT_THE_START
+from apps import app_for as app_for
+from apps import no_waiting as no_waiting
 from explorer import SMALL, Explorer, OpenExplorer, page_that_rests, page_without_3d
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
-from ido_viz import requests
 from ido_viz.app import App
 from ido_viz.core.state import State
 
@@ -46,27 +47,6 @@ def browser() -> Iterator[Browser]:
         browser = playwright.chromium.launch(executable_path=executable, args=FLAGS)
         yield browser
         browser.close()
-
-
-@pytest.fixture(scope="session")
-def app_for() -> Iterator[Callable[[State], App]]:
-    """The running app whose tabs begin with a state."""
-    apps: dict[State, App] = {}
-
-    def started(state: State) -> App:
-        if state not in apps:
-            apps[state] = App(state, port=0)
-        return apps[state]
-
-    yield started
-    for app in apps.values():
-        app.stop()
-
-
-@pytest.fixture(autouse=True)
-def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Prepared pages play at once."""
-    monkeypatch.setattr(requests, "FIRST_LOOK", 0.1)
 
 
 @pytest.fixture

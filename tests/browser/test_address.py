@@ -113,12 +113,18 @@ def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(open_
 
 def test_a_bad_address_opens_the_page_with_its_defaults_and_says_what_is_wrong(open_explorer: OpenExplorer):
     explorer = open_explorer(wait=False)
-    open_at(explorer, "lesson=" + quote("<b>none"))
-    explorer.wait_until("a message", explorer.notifications)
-    assert "This address cannot be used" in explorer.notifications()[0]
-    assert "unknown lesson '<b>none'" in explorer.notifications()[0]
-    explorer.expect_numbers(AT_THE_END)
-    expect_address(explorer, AT_THE_END)
+    for fragment, message in (
+        ("state=" + quote("<img src=x onerror=alert(1)>"), "a code starts with"),
+        ("state=ido1-damaged", "damaged"),
+        ("lesson=" + quote("<b>none"), "unknown lesson '<b>none'"),
+        ("state=" + "a" * 50_000, "more than 2000 characters"),
+    ):
+        explorer.page.goto("about:blank")
+        open_at(explorer, fragment)
+        explorer.wait_until("a message", explorer.notifications)
+        assert "This address cannot be used" in explorer.notifications()[0] and message in explorer.notifications()[0]
+        explorer.expect_numbers(AT_THE_END)
+        expect_address(explorer, AT_THE_END)
 
 
 def test_an_address_cannot_lead_the_page_to_another_server(open_explorer: OpenExplorer):

@@ -254,10 +254,13 @@ def test_they_have_them_while_it_plays_too(open_explorer: OpenExplorer):
     see_names_and_dividers(open_explorer(State()), 2, 6)
 
 
-def test_a_message_leaves_the_methods_names_in_sight(explorer: Explorer):
-    explorer.paste("no code")
+def test_a_message_on_a_broken_code_leaves_the_methods_names_in_sight(explorer: Explorer):
+    its_code = explorer.code()
+    explorer.paste("<img src=x onerror=alert(1)>")
+    explorer.wait_until("the page's own code again", lambda: explorer.code() == its_code)
     message, names = explorer.page.get_by_role("alert").last, explorer.page.locator(".names")
     message.wait_for()
+    assert "This code cannot be used" in explorer.notifications()[0]
     explorer.wait_until(
         "the message below the names", lambda: box_of(message)["y"] >= box_of(names)["y"] + box_of(names)["height"]
     )

@@ -76,3 +76,4 @@ def test_a_broken_method_shows_its_traceback_and_the_other_pane_works(open_own: 
     assert explorer.notifications() == []
     explorer.choose("Left pane", PERSONAL)
     explorer.wait_until("no traceback", lambda: trace.count() == 0 and PERSONAL in explorer.methods())
+    explorer.wait_until("a histogram", lambda: explorer.chart_ink(0) > 0)

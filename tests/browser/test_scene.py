@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from any_explorer import SLIDERS
 from explorer import Explorer, box_of
 
 from ido import Perturbation
@@ -11,33 +12,19 @@ from ido_viz.core.state import LONGEST_RUN
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
-SLIDERS = {
-    "Noise": 0.2,
-    "Points": 0.25,
-    "Outliers": 0.9,
-    "Incomplete": 0.15,
-    "Rotation": 0.6,
-    "Translation": 0.75,
-}
-"""The sliders, and to which share of its track each is dragged."""
-
 
 def test_each_slider_is_dragged_and_its_last_value_shown(explorer: Explorer):
     for label, share in SLIDERS.items():
         before = explorer.numbers()
         value = explorer.drag(label, share, steps=4)
         explorer.wait_until(
-            f"{label} {value:g}", lambda label=label, value=value: value_in_state(explorer, label) == value
+            f"{label} {value:g}", lambda label=label, value=value: explorer.slider_in_state(label) == value
         )
         assert explorer.slider_value(label) == value
         assert float(explorer.field(label).input_value()) == value
         explorer.wait_until("other numbers", lambda before=before: explorer.numbers() != before)
     default, end = Perturbation(), explorer.expect_to_agree().perturbation
     assert all(getattr(end, label.lower()) != getattr(default, label.lower()) for label in SLIDERS)
-
-
-def value_in_state(explorer: Explorer, label: str) -> float:
-    return getattr(explorer.state().perturbation, label.lower())
 
 
 def test_a_held_slider_shows_other_numbers_and_a_wild_drag_ends_at_its_last_value(explorer: Explorer):

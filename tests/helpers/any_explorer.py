@@ -21,6 +21,16 @@ PATIENCE = 90.0  # seconds; only a failing test waits that long, or a machine th
 BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
 SETTLING = 400  # milliseconds in which a late frame would show
 
+SLIDERS = {
+    "Noise": 0.2,
+    "Points": 0.25,
+    "Outliers": 0.9,
+    "Incomplete": 0.15,
+    "Rotation": 0.6,
+    "Translation": 0.75,
+}
+"""The sliders, and to which share of its track each is dragged."""
+
 Numbers = dict[str, tuple[str, str]]
 """The readout: for each row what it says of the left and of the right pane."""
 
@@ -160,6 +170,10 @@ class AnyExplorer(ABC):
     def state(self) -> State:
         """The state of the Share box; it is kept up while nothing plays."""
         return decode(self.code())
+
+    def slider_in_state(self, label: str) -> float:
+        """What the state has of one of `SLIDERS`."""
+        return getattr(self.state().perturbation, label.lower())
 
     def expect_numbers(self, state: State) -> None:
         """Wait until the readout says what it must for a state."""

@@ -20,7 +20,6 @@ from ido_viz.app import App
 Value = TypeVar("Value")
 
 _BETWEEN_MOVES = 0.02  # seconds: what is sent at once is answered in any order
-_MODIFIERS = {"Control": "cmd/ctrl", "Shift": "shift"}
 
 
 class UnseenExplorer(AnyExplorer):
@@ -28,15 +27,14 @@ class UnseenExplorer(AnyExplorer):
 
     Args:
         app: whose page it is.
-        query: of its address.
     """
 
-    def __init__(self, app: App, query: str = "") -> None:
+    def __init__(self, app: App) -> None:
         self.app = app
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
-        self._tab = _WatchedTab(f"{app.url}/{query}")
+        self._tab = _WatchedTab(app.url)
         self._do(self._tab.open())
         self.wait_until("its tabs", self._tab.tabs)
         self._open = {tabs[0] for tabs in self._tab.tabs()}
@@ -142,12 +140,9 @@ class UnseenExplorer(AnyExplorer):
         self._tell(props, button if "options" in props else True)
 
     def type_key(self, key: str) -> None:
-        """Press a key, with those held that stand before it and a +."""
-        *held, letter = key.split("+")
-        modifier = "+".join(_MODIFIERS[each] for each in held) or None
-        for props in self._tab.all_seen():
-            if (str(props.get("hotkey")).upper(), props.get("modifier")) == (letter.upper(), modifier):
-                self._do(self._tab.send(type="CommandTriggerMessage", uuid=props["uuid"]))
+        """Press a key, with no other held."""
+        (props,) = [props for props in self._tab.seen("hotkey", key.upper()) if props["modifier"] is None]
+        self._do(self._tab.send(type="CommandTriggerMessage", uuid=props["uuid"]))
 
     def drag(self, label: str, *shares: float, steps: int = 12) -> float:
         """Drag a slider's thumb to shares of its track, one after another; where it ends."""
@@ -176,10 +171,6 @@ class UnseenExplorer(AnyExplorer):
     def set(self, label: str, value: Any) -> None:
         """Write into a widget."""
         self._tell(self._props(label), value)
-
-    def click_bin(self, pane: int, number: int) -> None:
-        """Click into the row of a bin in the list."""
-        self.set("Picked bin", f"bin {pane} {number} 1")
 
     def upload(self, button: str, name: str, content: bytes) -> None:
         """Choose a file for a button that takes one."""

@@ -6,10 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from any_explorer import AT_THE_END, AT_THE_START, independent_run
+from any_explorer import AT_THE_START, independent_run
 from unseen_explorer import OpenUnseen, UnseenExplorer
 
-from ido import Perturbation, poses
+from ido import poses
 from ido.attribution import bin_name
 from ido.extensions import find_class
 from ido_viz.app import App
@@ -36,9 +36,7 @@ def test_a_baseline_registers_steps_and_follows_a_slider(explorer: UnseenExplore
     assert explorer.charts() == 2
 
 
-def test_all_methods_are_compared_sorted_and_shown_by_a_click(open_unseen: OpenUnseen):
-    few = replace(AT_THE_END, perturbation=Perturbation(points=100, outliers=0))
-    explorer = open_unseen(few)
+def test_all_methods_are_compared_sorted_and_shown_by_a_click(explorer: UnseenExplorer):
     explorer.open_tab("Compare")
     explorer.press("Compare all methods")
     names = shipped_library().methods("bunny")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from any_explorer import numbers_of
+from any_explorer import SLIDERS, numbers_of
 from unseen_explorer import UnseenExplorer
 
 from ido import Perturbation
@@ -14,33 +14,19 @@ from ido_viz.core.state import encode
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
-SLIDERS = {
-    "Noise": 0.2,
-    "Points": 0.25,
-    "Outliers": 0.9,
-    "Incomplete": 0.15,
-    "Rotation": 0.6,
-    "Translation": 0.75,
-}
-"""The sliders, and to which share of its track each is dragged."""
-
 
 def test_each_slider_is_followed_and_its_last_value_shown(explorer: UnseenExplorer):
     for label, share in SLIDERS.items():
         before = explorer.numbers()
         value = explorer.drag(label, share, steps=4)
         explorer.wait_until(
-            f"{label} {value:g}", lambda label=label, value=value: value_in_state(explorer, label) == value
+            f"{label} {value:g}", lambda label=label, value=value: explorer.slider_in_state(label) == value
         )
         explorer.expect_to_agree()
         assert explorer.slider_value(label) == value
         assert explorer.numbers() != before
     default, end = Perturbation(), explorer.state().perturbation
     assert all(getattr(end, label.lower()) != getattr(default, label.lower()) for label in SLIDERS)
-
-
-def value_in_state(explorer: UnseenExplorer, label: str) -> float:
-    return getattr(explorer.state().perturbation, label.lower())
 
 
 def test_seeds_by_button_and_typed_make_other_scenes(explorer: UnseenExplorer):

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from urllib.parse import quote
 
 import pytest
 from any_explorer import AT_THE_END
 from unseen_explorer import OpenUnseen, UnseenExplorer
 
 from ido import Perturbation
-from ido_viz.core.address import LONGEST_FRAGMENT, read_fragment
+from ido_viz.core.address import read_fragment
 from ido_viz.core.state import State, decode, encode
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
@@ -84,27 +83,6 @@ def test_the_address_is_kept_where_the_share_folder_is_hidden(open_unseen: OpenU
     explorer.wait_until("its address", lambda: state_of(explorer) == hidden)
     explorer.press("First (R)")
     explorer.wait_until("the next address", lambda: state_of(explorer) == replace(hidden, iteration=0))
-
-
-@pytest.mark.parametrize(
-    ("fragment", "message"),
-    [
-        ("state=" + quote("<img src=x onerror=alert(1)>"), "a code starts with"),
-        ("state=ido1-damaged", "damaged"),
-        ("lesson=" + quote("<b>none"), "unknown lesson '<b>none'"),
-        ("state=" + "a" * 50_000, "more than 2000 characters"),
-    ],
-)
-def test_a_bad_address_opens_the_page_with_its_defaults_and_says_what_is_wrong(
-    open_unseen: OpenUnseen, fragment: str, message: str
-):
-    as_the_script_cuts_it = fragment[: LONGEST_FRAGMENT + 1]
-    explorer = open_unseen(query=f"?fragment={quote(as_the_script_cuts_it)}")
-    explorer.wait_until("a message", explorer.notifications)
-    assert "This address cannot be used" in explorer.notifications()[0]
-    assert message in explorer.notifications()[0]
-    explorer.expect_numbers(AT_THE_END)
-    assert state_of(explorer) == AT_THE_END
 
 
 def state_of(explorer: UnseenExplorer) -> State:
