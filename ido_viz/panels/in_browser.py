@@ -13,11 +13,19 @@ _OPEN = """for (const tab of document.querySelectorAll('[role=tab]')) {
   tab.click();
   tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
   const group = tab.closest('[data-dock-group]');
-  setTimeout(() => tab.ariaSelected === 'true' && group?.querySelectorAll('.mantine-ScrollArea-viewport').forEach(
-    shown => shown.scrollTo({top: %s ? shown.scrollHeight : 0})), 300);
+  const atEnd = %s;
+  let times = atEnd ? 10 : 1, there = 0;
+  clearInterval(window.scrolling);
+  window.scrolling = setInterval(() => {
+    const areas = [...group?.querySelectorAll('.mantine-ScrollArea-viewport') ?? []];
+    const shown = areas.find(area => area.clientHeight > 0);
+    if (tab.ariaSelected !== 'true' || shown?.scrollTop < there || --times < 0) return clearInterval(window.scrolling);
+    shown?.scrollTo({top: atEnd ? shown.scrollHeight : 0});
+    there = atEnd ? shown?.scrollTop ?? 0 : 0;
+  }, 300);
 }"""
-"""A docked tab takes the key Enter, one on a phone the click. A tab that was never open is drawn before it scrolls; if
-another was opened meanwhile, that one stays as it is."""
+"""A docked tab takes the key Enter, one on a phone the click. What a tab holds comes a while after it was opened, so its end
+is gone to for three seconds, or until a person scrolls up; if another tab was opened meanwhile, that one stays as it is."""
 
 _ARROWS = """window.lessonKeys ??= (window.addEventListener('keydown', event => {
   const key = {ArrowLeft: 'PageUp', ArrowRight: 'PageDown'}[event.key];

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import get_args
 
+import numpy as np
 from any_explorer import SETTLING
 from explorer import Explorer, OpenExplorer
+from numpy.typing import NDArray
 
 from ido_viz.teach.lessons import Tab, lesson
 
@@ -46,15 +48,43 @@ def test_the_tab_that_a_step_talks_about_is_open_and_the_one_before_comes_back(e
         explorer.page.get_by_role("tab", name=name, exact=True, selected=True).wait_for()
 
 
-def test_a_tab_opened_right_after_the_lesson_opened_another_is_not_scrolled(explorer: Explorer):
-    top = explorer.heatmaps().first.bounding_box()
+def test_a_step_at_the_end_of_a_tab_shows_that_end_even_if_more_comes_late(explorer: Explorer):
     explorer.choose("Lesson", lesson("histogram").title)
+    go_to_the_end_of_a_tab(explorer)
+    below = explorer.page.evaluate_handle(LATE_CONTENT)
+    try:
+        explorer.wait_until("its end in sight", lambda: below.evaluate(IS_IN_SIGHT))
+    finally:
+        below.evaluate("late => late.remove()")
+
+
+LATE_CONTENT = """async () => {
+  const group = [...document.querySelectorAll('[role=tab]')].find(tab => tab.innerText === 'Inspect')
+    .closest('[data-dock-group]');
+  const shown = () => [...group.querySelectorAll('.mantine-ScrollArea-viewport')].find(area => area.scrollTop > 0);
+  while (!shown()) await new Promise(resolve => setTimeout(resolve, 10));
+  const late = document.createElement('div');
+  late.style.height = '300px';
+  shown().firstElementChild.append(late);
+  return late;
+}"""
+IS_IN_SIGHT = "late => late.getBoundingClientRect().bottom <= innerHeight + 1"
+
+
+def go_to_the_end_of_a_tab(explorer: Explorer) -> None:
+    """Go on in the lesson of histograms to the step that talks about the end of Inspect."""
     for number, step in enumerate(lesson("histogram").steps, start=1):
         explorer.expect_step(number, 12)
         if step.end:
             break
         explorer.press("Next")
     explorer.page.get_by_role("tab", name="Inspect", exact=True, selected=True).wait_for()
+
+
+def test_a_tab_opened_right_after_the_lesson_opened_another_is_not_scrolled(explorer: Explorer):
+    top = explorer.heatmaps().first.bounding_box()
+    explorer.choose("Lesson", lesson("histogram").title)
+    go_to_the_end_of_a_tab(explorer)
     explorer.open_tab("Maps")
     explorer.pause(2 * SETTLING)
     assert explorer.heatmaps().first.bounding_box() == top
@@ -82,24 +112,37 @@ def test_the_control_beside_the_text_is_the_one_of_the_panel(explorer: Explorer)
 
 def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(open_explorer: OpenExplorer):
     explorer = open_explorer()
-    moved = [camera_turns(explorer)]
+    assert camera_turns(explorer)
     explorer.choose("Lesson", lesson("maps").title)
-    explorer.pause(500)
-    moved.append(camera_turns(explorer))
+    explorer.expect_step(1, len(lesson("maps").steps))
+    assert not camera_turns(explorer)
     explorer.press("Leave")
-    explorer.pause(500)
-    moved.append(camera_turns(explorer))
-    assert moved == [True, False, True]
+    explorer.wait_until("the lesson gone", lambda: not explorer.page.locator(".lesson").count())
+    assert camera_turns(explorer)
 
 
 def camera_turns(explorer: Explorer) -> bool:
     """Whether holding an arrow turns the camera; the server is told of each of its moves."""
-    (client,) = explorer.app.server.get_clients().values()
-    explorer.pause(300)
-    before = client.camera.position
+    before = camera_at_rest(explorer)
     explorer.page.evaluate("document.activeElement.blur()")
     explorer.page.keyboard.down("ArrowLeft")
     explorer.pause(400)
     explorer.page.keyboard.up("ArrowLeft")
-    explorer.pause(300)
-    return bool(abs(client.camera.position - before).max() > 0.01)
+    return bool(abs(camera_at_rest(explorer) - before).max() > 0.01)
+
+
+def camera_at_rest(explorer: Explorer) -> NDArray[np.float64]:
+    """Where the camera is once eight frames of the page have not moved it: a lesson brings its own."""
+    (client,) = explorer.app.server.get_clients().values()
+    while True:
+        before = client.camera.position
+        explorer.page.evaluate(AFTER_FRAMES, 8)
+        explorer.pause()
+        if np.array_equal(client.camera.position, before):
+            return before
+
+
+AFTER_FRAMES = """count => new Promise(resolve => {
+  const next = () => count-- > 0 ? requestAnimationFrame(next) : resolve();
+  next();
+})"""
