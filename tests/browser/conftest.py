@@ -11,7 +11,8 @@ import pytest
 from any_explorer import AT_THE_END, AT_THE_START
 from apps import app_for as app_for
 from apps import no_waiting as no_waiting
-from explorer import SMALL, Explorer, OpenExplorer, page_that_rests, page_without_3d
+from browser_pages import BrowserPages, new_page
+from explorer import SMALL, Explorer, OpenExplorer
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from ido_viz.app import App
@@ -55,26 +56,35 @@ def draws(request: pytest.FixtureRequest) -> bool:
     return request.node.get_closest_marker("looks_at_canvas") is not None
 
 
+@pytest.fixture(scope="session")
+def browser_pages(browser: Browser) -> BrowserPages:
+    """The pages that tests leave to each other."""
+    return BrowserPages(browser)
+
+
 @pytest.fixture
-def open_explorer(browser: Browser, app_for: Callable[[State], App], draws: bool) -> Iterator[OpenExplorer]:
-    """Opens new pages that begin with a state, by default at the end of a registration and not playing."""
+def open_explorer(browser_pages: BrowserPages, app_for: Callable[[State], App], draws: bool) -> Iterator[OpenExplorer]:
+    """Opens pages that begin with a state, by default at the end of a registration and not playing."""
     opened: list[Explorer] = []
 
     def open_page(state: State = AT_THE_END, size: tuple[int, int] = SMALL, *, wait: bool = True) -> Explorer:
-        opened.append(new_page(app_for(state), browser, size, draws))
+        opened.append(Explorer(app_for(state), browser_pages.take(size, draws=draws)))
         return opened[-1].open() if wait else opened[-1]
 
     yield open_page
-    errors = [error for explorer in opened for error in explorer.errors]
     for explorer in opened:
-        explorer.page.close()
-    assert errors == []
+        browser_pages.give_back(explorer.leave(), draws=draws)
+    assert [error for explorer in opened for error in explorer.errors] == []
 
 
-def new_page(app: App, browser: Browser, size: tuple[int, int], draws: bool) -> Explorer:
-    viewport = ViewportSize(width=size[0], height=size[1])
-    page = (page_that_rests if draws else page_without_3d)(browser, viewport=viewport)
-    return Explorer(app, page)
+@pytest.fixture
+def fresh_explorer(browser: Browser, app_for: Callable[[State], App]) -> Iterator[Explorer]:
+    """A page of its own, not yet open, for a test that changes the browser."""
+    page = new_page(browser, viewport=ViewportSize(width=SMALL[0], height=SMALL[1]))
+    explorer = Explorer(app_for(AT_THE_END), page)
+    yield explorer
+    page.close()
+    assert explorer.errors == []
 
 
 @pytest.fixture(scope="session")
@@ -87,11 +97,11 @@ def kept_pages() -> Iterator[dict[bool, Explorer]]:
 
 
 @pytest.fixture
-def explorer(browser: Browser, kept_pages: dict[bool, Explorer], draws: bool) -> Iterator[Explorer]:
+def explorer(browser_pages: BrowserPages, kept_pages: dict[bool, Explorer], draws: bool) -> Iterator[Explorer]:
     """A page at the end of a registration, not playing: that of the test before, put back, which is quicker."""
     kept = kept_pages.pop(draws, None)  # one that cannot be put back is not kept
     if kept is None:
-        kept = new_page(App(AT_THE_END, port=0), browser, SMALL, draws).open()
+        kept = Explorer(App(AT_THE_END, port=0), browser_pages.take(SMALL, draws=draws)).open()
     else:
         kept.rest(False)
     yield kept

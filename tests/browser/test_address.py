@@ -68,8 +68,8 @@ def test_reloading_a_page_keeps_what_it_shows_and_frees_the_session_before(explo
     explorer.wait_until("the session before to be freed", lambda: explorer.app.n_sessions == 1)
 
 
-def test_the_address_follows_in_few_steps(open_explorer: OpenExplorer):
-    explorer = open_explorer(wait=False)
+def test_the_address_follows_in_few_steps(fresh_explorer: Explorer):
+    explorer = fresh_explorer
     explorer.page.add_init_script(
         "const replace = history.replaceState; window.replaced = 0;"
         "history.replaceState = function (...given) { window.replaced += 1; return replace.apply(this, given); }"
@@ -228,9 +228,9 @@ def test_a_class_scans_the_address_that_others_can_open(open_explorer: OpenExplo
         app.stop()
 
 
-def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(open_explorer: OpenExplorer):
+def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(fresh_explorer: Explorer):
     """As on an address without encryption that is not the machine's own."""
-    explorer = open_explorer(wait=False)
+    explorer = fresh_explorer
     explorer.page.add_init_script("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
     explorer.open()
     explorer.press("Back (B)")

@@ -206,8 +206,8 @@ def test_dark_and_light_again(explorer: Explorer):
     explorer.wait_until("a light page", lambda: brightness(explorer) > 200)
 
 
-def test_a_dark_system_gets_a_dark_page_until_a_person_chooses(open_explorer: OpenExplorer):
-    explorer = open_explorer(wait=False)
+def test_a_dark_system_gets_a_dark_page_until_a_person_chooses(fresh_explorer: Explorer):
+    explorer = fresh_explorer
     explorer.page.emulate_media(color_scheme="dark")
     explorer.open()
     dark = explorer.page.locator("[data-mantine-color-scheme=dark]")

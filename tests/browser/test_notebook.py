@@ -9,7 +9,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from explorer import page_without_3d
+from browser_pages import new_page
 from nbclient import NotebookClient
 from playwright.sync_api import Browser
 
@@ -38,7 +38,7 @@ def test_the_example_notebook_shows_the_explorer_in_its_cells(browser: Browser):
 
 
 def expect_an_explorer(browser: Browser, cell: str, *, first: bool) -> None:
-    page = page_without_3d(browser, viewport={"width": 1300, "height": 900})
+    page = new_page(browser, viewport={"width": 1300, "height": 900})
     page.set_content(f"<body>{cell}</body>")
     frame = page.frame_locator("iframe")
     frame.get_by_role("row", name="PointRMSE").wait_for(timeout=60_000)

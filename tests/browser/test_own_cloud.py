@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from any_explorer import AT_THE_START
-from explorer import SMALL, Explorer, page_without_3d
-from playwright.sync_api import Browser, ViewportSize, expect
+from browser_pages import BrowserPages
+from explorer import SMALL, Explorer
+from playwright.sync_api import expect
 
 from ido import Cloud
 from ido_viz.app import App
@@ -20,14 +21,13 @@ NAME = "<b>half bunny</b>"
 
 
 @pytest.fixture
-def explorer(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Explorer]:
+def explorer(browser_pages: BrowserPages, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Explorer]:
     """A page whose quick training is very quick."""
     monkeypatch.setitem(PLANS, "quick", Plan(20.0, 3, 100))
     app = App(replace(AT_THE_START, dark=True), port=0, data=tmp_path / "data")
-    page = page_without_3d(browser, viewport=ViewportSize(width=SMALL[0], height=SMALL[1]))
-    explorer = Explorer(app, page)
+    explorer = Explorer(app, browser_pages.take(SMALL, draws=False))
     yield explorer.open()
-    page.close()
+    browser_pages.give_back(explorer.leave(), draws=False)
     app.stop()
     assert explorer.errors == []
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from any_explorer import AT_THE_START
-from explorer import Explorer, page_without_3d
-from playwright.sync_api import Browser, ViewportSize
+from browser_pages import BrowserPages
+from explorer import SMALL, Explorer
 
 from ido import Cloud
 from ido.extensions import find_class
@@ -21,7 +21,6 @@ from ido_viz.core.state import State
 
 EXAMPLE = Path(__file__).parents[2] / "assets" / "examples" / "04_own_method.py"
 PERSONAL = "Point to plane"
-WINDOW = ViewportSize(width=1200, height=700)  # software rendering takes its time for each pixel
 
 
 class Broken:
@@ -43,17 +42,17 @@ def library() -> Library:
 
 
 @pytest.fixture
-def open_own(library: Library, browser: Browser) -> Iterator[Callable[[State], Explorer]]:
+def open_own(library: Library, browser_pages: BrowserPages) -> Iterator[Callable[[State], Explorer]]:
     opened: list[Explorer] = []
 
     def open_page(state: State) -> Explorer:
-        page = page_without_3d(browser, viewport=WINDOW)
+        page = browser_pages.take(SMALL, draws=False)
         opened.append(Explorer(App(state, library=library, port=0), page))
         return opened[-1].open()
 
     yield open_page
     for explorer in opened:
-        explorer.page.close()
+        browser_pages.give_back(explorer.leave(), draws=False)
         explorer.app.stop()
     assert [error for explorer in opened for error in explorer.errors] == []
 

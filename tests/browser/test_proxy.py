@@ -15,7 +15,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pytest
-from explorer import page_without_3d
+from browser_pages import new_page
 from headless import HeadlessTab, run
 from playwright.sync_api import Browser
 
@@ -131,7 +131,7 @@ def test_a_file_comes_through(proxy: Proxy):
 def test_a_browser_finds_its_page_by_the_prefix_and_again_after_a_reload(proxy: Proxy, browser: Browser):
     proxy.wait_for(0, 0)
     state = State(left="ICP, tuned", iteration=3, playing=False)
-    page = page_without_3d(browser, ignore_https_errors=True)
+    page = new_page(browser, ignore_https_errors=True)
     try:
         page.goto(f"{proxy.address}#state={quote(encode(state))}")
         page.get_by_role("row", name="PointRMSE").wait_for()

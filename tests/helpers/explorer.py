@@ -6,12 +6,12 @@ import contextlib
 import io
 import re
 from collections.abc import Callable
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 from any_explorer import BETWEEN_CONTROLS, PATIENCE, AnyExplorer
 from PIL import Image
-from playwright.sync_api import Browser, FloatRect, Locator, Page, TimeoutError
+from playwright.sync_api import Error, FloatRect, Locator, Page, TimeoutError
 
 from ido_viz.app import App
 from ido_viz.core.state import Part, State, encode
@@ -52,25 +52,6 @@ READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
 )"""  # at once: the table is replaced many times a second
 
-WITH_RESTS = """const nextFrame = requestAnimationFrame;
-const resting = [];
-window.betweenFrames = 0;
-window.requestAnimationFrame = draw =>
-    window.atRest ? (resting.push(draw), 0) : setTimeout(() => nextFrame(draw), window.betweenFrames);
-window.cancelAnimationFrame = clearTimeout;
-window.rest = atRest => {
-    window.atRest = atRest;
-    if (!atRest) resting.splice(0).forEach(draw => nextFrame(draw));
-};"""
-"""A page that can rest: it is drawn no more, and costs nothing, until it is used again."""
-
-WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
-    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
-        if (of.prototype[name]) of.prototype[name] = () => {};
-window.betweenFrames = 40;"""
-"""A page's 3D scene without its pixels, and seldom: drawn in software, it takes most of the time of a browser test."""
-
-
 OpenExplorer = Callable[..., "Explorer"]
 """Opens a page; see `conftest.open_explorer`."""
 
@@ -82,8 +63,20 @@ class Explorer(AnyExplorer):
         self.app = app
         self.page = page
         self.errors: list[str] = []
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("pageerror", self._note)
         page.set_default_timeout(PATIENCE * 1000)
+
+    def _note(self, error: Error) -> None:
+        self.errors.append(str(error))
+
+    def leave(self) -> Page:
+        """Go away, with nothing left behind in the browser; the page can be used again."""
+        self.page.remove_listener("pageerror", self._note)
+        self.page.evaluate("() => { sessionStorage.clear(); localStorage.clear(); }")
+        self.page.goto("about:blank")
+        self.page.context.clear_cookies()
+        self.page.context.clear_permissions()
+        return self.page
 
     def open(self) -> Explorer:
         """Go to the page and wait until it shows a run."""
@@ -277,20 +270,6 @@ class Explorer(AnyExplorer):
     def heatmap_pictures(self) -> list[str]:
         """The pictures of all heatmaps that can be seen."""
         return self.heatmaps().evaluate_all("images => images.map(image => image.src)")
-
-
-def page_that_rests(browser: Browser, **options: Any) -> Page:
-    """A new page of a browser that can rest."""
-    page = browser.new_page(**options)
-    page.add_init_script(WITH_RESTS)
-    return page
-
-
-def page_without_3d(browser: Browser, **options: Any) -> Page:
-    """A new page of a browser, whose 3D scene is not drawn."""
-    page = page_that_rests(browser, **options)
-    page.add_init_script(WITHOUT_DRAWING)
-    return page
 
 
 def box_of(locator: Locator) -> FloatRect:

@@ -1,0 +1,58 @@
+"""Pages of a browser, made cheap: they can rest, and one that a test has left serves the next."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from playwright.sync_api import Browser, Page, ViewportSize
+
+WITH_RESTS = """const nextFrame = requestAnimationFrame;
+const resting = [];
+window.requestAnimationFrame = draw => window.atRest ? (resting.push(draw), 0) : setTimeout(() => nextFrame(draw), 60);
+window.cancelAnimationFrame = clearTimeout;
+window.rest = atRest => {
+    window.atRest = atRest;
+    if (!atRest) resting.splice(0).forEach(draw => nextFrame(draw));
+};"""
+"""A page that can rest: it is drawn no more, and costs nothing, until it is used again.
+
+It is also drawn seldom: in software, one picture after another leaves a dragging mouse no time.
+"""
+
+WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
+    for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
+        if (of.prototype[name]) of.prototype[name] = () => {};"""
+"""A page's 3D scene without its pixels: drawn in software, it takes most of the time of a browser test."""
+
+
+class BrowserPages:
+    """Pages that tests use one after another.
+
+    Where a browser has read the program before, it opens with half the work.
+    """
+
+    def __init__(self, browser: Browser) -> None:
+        self._browser = browser
+        self._left: dict[bool, list[Page]] = {True: [], False: []}
+
+    def take(self, size: tuple[int, int], *, draws: bool) -> Page:
+        """A blank page, of a size, that draws the 3D scene or not."""
+        viewport = ViewportSize(width=size[0], height=size[1])
+        if not self._left[draws]:
+            return new_page(self._browser, draws=draws, viewport=viewport)
+        page = self._left[draws].pop()
+        page.set_viewport_size(viewport)
+        return page
+
+    def give_back(self, page: Page, *, draws: bool) -> None:
+        """For the next test, a page that is blank again."""
+        self._left[draws].append(page)
+
+
+def new_page(browser: Browser, *, draws: bool = False, **options: Any) -> Page:
+    """A new page that can rest, and whose 3D scene is drawn or not."""
+    page = browser.new_page(**options)
+    page.add_init_script(WITH_RESTS)
+    if not draws:
+        page.add_init_script(WITHOUT_DRAWING)
+    return page
