@@ -45,6 +45,12 @@
     telling ??= setTimeout(tellTabs, 30);
   }).observe(document, { subtree: true, childList: true, attributes: true, attributeFilter: ["aria-selected"] });
 
+  // In a small window, what a tab of the control panel holds begins below the panel's end: opening it brings it into view.
+  addEventListener("click", (event) => {
+    const tabs = event.target.closest?.("[role=tab]")?.closest(".mantine-ScrollArea-viewport [data-dock-group]");
+    if (tabs) setTimeout(() => tabs.scrollIntoView({ block: "nearest", behavior: "smooth" }), 100);
+  });
+
   // A menu keeps the focus once something was chosen, and letter keys, which are the page's, would go on into it.
   addEventListener("click", (event) => {
     if (event.target.closest?.("[role=option]")) setTimeout(() => document.activeElement?.blur(), 50);

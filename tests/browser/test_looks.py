@@ -316,6 +316,14 @@ def test_with_large_text_the_tabs_of_each_panel_stand_in_one_row(open_explorer: 
     assert len(rows) >= 2 and set(rows) == {1}
 
 
+def test_a_tab_of_the_controls_brings_what_it_holds_into_view(open_explorer: OpenExplorer):
+    explorer = open_explorer(AT_THE_END, (1280, 720))
+    last = explorer.page.get_by_role("button", name="A ball of outliers", exact=True)
+    explorer.open_tab("Learn")
+    explorer.wait_until("its last button in sight", lambda: box_of(last)["y"] + box_of(last)["height"] <= 720)
+    assert box_of(explorer.page.get_by_role("tab", name="Learn", exact=True))["y"] >= 0
+
+
 def test_on_a_phone_the_panes_are_seen_and_play_works(open_explorer: OpenExplorer):
     explorer = open_explorer(replace(AT_THE_END, speed=60), PHONE)
     see_both_panes(explorer)
