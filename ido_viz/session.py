@@ -139,9 +139,9 @@ class Session(Requests):
                     with self._awake:
                         if self._closed:
                             return
-                        state, show, asked = self._take()
+                        state, share, show, asked = self._take()
                     page.share(state)  # before what may take long to compute
-                    self._frame(page, state, show, asked)
+                    self._frame(page, state, share, show, asked)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))
             except Exception as error:  # the page must outlive whatever goes wrong in one frame
@@ -158,12 +158,14 @@ class Session(Requests):
         )
         self._tell("This page cannot be shown", reason)
 
-    def _take(self) -> tuple[State, bool, bool]:
+    def _take(self) -> tuple[State, float, bool, bool]:
         """The newest state, with the controls read and the playing moved on; called with the lock held.
 
-        Also whether the controls must be shown, and whether anything but the playing asks for a frame.
+        Also the share of the way to the next iteration, whether the controls must be shown, and whether anything but
+        the playing asks for a frame.
         """
         asked, self._dirty = self._dirty, False
+        share = 0.0
         gone = self._leave_deleted()
         show = self._read() if self._read_controls else False
         show, state = show or gone, self._state
@@ -174,13 +176,14 @@ class Session(Requests):
         elif state.playing and self._run is not None:
             self._clock.tick(state.speed, moves=not self._live.waiting)  # both panes set out together
             state = self._at(state, int(self._clock.position))
+            share = self._clock.position % 1.0
             if state.iteration == LAST or self._run.iterations == 0:
                 state = replace(state, playing=False)
         self._state = state
         self._history = self._history.with_state(state, time.perf_counter())
-        return state, show, asked
+        return state, share, show, asked
 
-    def _frame(self, page: Page, state: State, show: bool, asked: bool) -> None:
+    def _frame(self, page: Page, state: State, share: float, show: bool, asked: bool) -> None:
         first = self._run is None
         begun = self._live.begin(state)
         with self._awake:
@@ -201,7 +204,7 @@ class Session(Requests):
         if drawn and not asked and (drawn.run, drawn.state, drawn.held) == (run, state, held):
             if state.playing and not held:  # nothing but the poses moves, on the way to the next iteration
                 with self._client.atomic():
-                    page.move(drawn.on_the_way(self._clock.position - state.iteration))
+                    page.move(drawn.on_the_way(share))
             return
         frame = frame_of(run, state, held=held)
         if drawn and not asked and drawn.run is run and replace(drawn.state, inside=state.inside) == state:

@@ -191,6 +191,24 @@ def test_pausing_holds_the_iteration(tab: Tab):
     assert tab.shown.iteration <= held.iteration + 3
 
 
+def test_playing_anew_while_the_way_to_an_iteration_is_drawn_does_no_harm(tab: Tab, monkeypatch: pytest.MonkeyPatch):
+    share, again = PageOfTab.share, []
+
+    def plays_again(page: PageOfTab, state: State) -> None:
+        share(page, state)
+        if state.playing and state.iteration >= 2 and state == tab.shown.state and not again:
+            again.append(state)
+            tab.actions.jump(0)
+            tab.actions.play()
+
+    monkeypatch.setattr(PageOfTab, "share", plays_again)
+    tab.set(speed=20)
+    tab.actions.play()
+    tab.wait("the start again", lambda: bool(again) and tab.shown.iteration == 0)
+    tab.wait("the end", lambda: tab.shown.iteration == LENGTH)
+    assert tab.notes == []
+
+
 @pytest.mark.parametrize(
     "act", [lambda a: a.step(1), lambda a: a.step(-1), lambda a: a.jump(0), lambda a: a.jump(LAST)]
 )
