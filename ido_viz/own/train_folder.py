@@ -165,7 +165,7 @@ def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool, da
     whose = f"<b>{html.escape(job.title)}</b>" + ("" if mine else " (another page's)")
     if job.over:
         if job.failure:
-            return caption(f"{whose}: the training failed, and nothing of it is kept. {html.escape(job.failure)}.")
+            return caption(f"{whose}: the training failed, and nothing of it is kept: {html.escape(job.failure)}.")
         done = job.history[-1].maps if job.history else 0
         fewer = f", with {done} of {job.maps} maps, for the time was over" if done < job.maps else ""
         return caption(f"{whose}: " + ("cancelled" if job.cancelled else f"trained and kept{fewer}"))

@@ -24,8 +24,8 @@ _OPEN = """for (const tab of document.querySelectorAll('[role=tab]')) {
     there = atEnd ? shown?.scrollTop ?? 0 : 0;
   }, 300);
 }"""
-"""A docked tab takes the key Enter, one on a phone the click. What a tab holds comes a while after it was opened, so its end
-is gone to for three seconds, or until a person scrolls up; if another tab was opened meanwhile, that one stays as it is."""
+"""A docked tab takes the key Enter, one on a phone the click. What a tab holds comes a while after it was opened, so
+its end is gone to for three seconds, or until a person scrolls up; another tab that was opened meanwhile stays put."""
 
 _ARROWS = """window.lessonKeys ??= (window.addEventListener('keydown', event => {
   const key = {ArrowLeft: 'PageUp', ArrowRight: 'PageDown'}[event.key];
