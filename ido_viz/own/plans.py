@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -22,13 +22,6 @@ FEWEST_SCENES = 200
 _TRIED = 100  # scenes of the calibration
 _ROWS = (64, 1024)  # histograms of its two regressions
 _SPARE = 0.8  # of the time, that is planned with
-
-RIDGE = 0.0015
-"""λ of a training with few scenes, which with the paper's 0.0002 for 30,000 are learned by heart.
-
-Of the values tried with 1,400 to 5,000 scenes of three shapes it was never far from the best on fresh ones; with
-0.005, the last maps of two shapes came to no rest.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,18 +59,17 @@ class Plan:
 
     def settings(self, cost: Cost, rotation: float, translation: float) -> TrainingSettings:
         """As many scenes as there is time for, in round numbers."""
-        paper = TrainingSettings(samples=self.most_scenes, maps=self.maps, rotation=rotation, translation=translation)
-        if self.limit is None:
-            return paper
-        left = self.limit * _SPARE - self.maps * cost.map_itself
-        fit = left / (cost.scene + self.maps * cost.scene_in_map)
-        samples = min(max(_rounded_down(fit), FEWEST_SCENES), self.most_scenes)
-        return replace(paper, samples=samples, ridge=RIDGE)
+        samples = self.most_scenes
+        if self.limit is not None:
+            left = self.limit * _SPARE - self.maps * cost.map_itself
+            fit = left / (cost.scene + self.maps * cost.scene_in_map)
+            samples = min(max(_rounded_down(fit), FEWEST_SCENES), self.most_scenes)
+        return TrainingSettings(samples=samples, maps=self.maps, rotation=rotation, translation=translation)
 
 
 PLANS: dict[str, Plan] = {
-    "quick": Plan(30.0, 6, 10_000),
-    "standard": Plan(120.0, 12, 30_000),
+    "quick": Plan(30.0, 10, 10_000),
+    "standard": Plan(120.0, 20, 30_000),
     "paper": Plan(None, TrainingSettings().maps, TrainingSettings().samples),
 }
 """What a person can choose."""

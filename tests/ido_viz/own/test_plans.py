@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
 
-from ido import Cloud, FrontBack, Maps, Model, SceneBatch, TrainingSettings, train
-from ido.training import training_scenes
-from ido.types import FloatArray
+from ido import Cloud, Model
+from ido_viz.own import plans
 from ido_viz.own.draft import Draft
-from ido_viz.own.plans import FEWEST_SCENES, PLANS, RIDGE, Cost, Plan, in_words, measured_cost, time_left
+from ido_viz.own.plans import FEWEST_SCENES, PLANS, Cost, in_words, measured_cost, time_left
 
 FAST, USUAL, SLOW = Cost(1e-6, 1e-6, 1e-4), Cost(4e-4, 3e-4, 0.5), Cost(1e-2, 1e-2, 10.0)
 
@@ -33,29 +29,13 @@ def test_plans_have_their_bounds_on_any_machine():
     assert (paper.samples, paper.maps) == (30_000, 30)
 
 
-def test_the_papers_number_of_scenes_is_learned_with_its_own_ridge():
-    assert PLANS["paper"].settings(SLOW, 90.0, 0.3).ridge == TrainingSettings().ridge < RIDGE
-
-
-def test_few_scenes_say_more_of_fresh_ones_with_the_ridge_of_plans(bunny: Cloud):
-    settings = Plan(1e-9, 3, 10_000).settings(SLOW, 30.0, 0.1)
-    assert settings.samples == FEWEST_SCENES
-    histogram = FrontBack(Model.of(bunny, 200))
-    fresh = training_scenes(bunny, replace(settings, seed=1))
-    error, by_heart = (
-        error_on(fresh, train(bunny, histogram, each))
-        for each in (settings, replace(settings, ridge=TrainingSettings().ridge))
-    )
-    assert error < 0.9 * by_heart
-
-
-def error_on(fresh: tuple[SceneBatch, FloatArray], maps: Maps) -> float:
-    """The mean of ‖x* - x_K‖² over scenes (docs/method.md, Eq. 13)."""
-    scenes, x_true = fresh
-    x = np.zeros_like(x_true)
-    for D in maps.maps:
-        x = x - maps.histogram.batch(scenes, x) @ D.T
-    return float(((x_true - x) ** 2).sum(axis=1).mean())
+def test_regressions_are_measured_as_large_as_they_are_solved(bunny: Cloud, monkeypatch: pytest.MonkeyPatch):
+    sizes: set[int] = set()
+    really = plans.solve
+    monkeypatch.setattr(plans, "solve", lambda h, *rest: sizes.add(h.shape[1]) or really(h, *rest))
+    model = Model.of(bunny, 100)
+    measured_cost(bunny, model)
+    assert sizes == {200, 200 + 2 * 101}  # see `ido.folding`: an angle block has M + 1 numbers in its 2 M bins
 
 
 def test_what_is_measured_is_positive_and_more_scenes_take_longer(tiny_draft: Draft):
