@@ -37,9 +37,6 @@ WINDOW = 2.0
 ALONE = 10.0
 """Seconds before and after the training."""
 
-ESTIMATED = 30.0
-"""Seconds after an upload within which the page has measured how fast it can train here, which takes a processor."""
-
 
 class PlayingTab(HeadlessTab):
     """One that counts how often its left cloud moves."""
@@ -81,7 +78,7 @@ def train(address: str, plan: str, phase: list[str]) -> float:
     page.upload("Upload a cloud", "bunny.xyz", "\n".join(" ".join(map(str, each)) for each in points.tolist()).encode())
     page.wait_until("its preview", lambda: "Train" in page.buttons())
     page.choose("Time", plan)
-    time.sleep(ESTIMATED)
+    page.wait_until("its estimate, whose measuring takes a processor", lambda: page.says("maps of each method on"))
     phase[0] = "before"
     time.sleep(ALONE)
     phase[0], began = "training", time.perf_counter()
