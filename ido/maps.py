@@ -34,6 +34,8 @@ class TrainingSettings:
         samples: number of training scenes N.
         maps: number of maps K.
         ridge: λ of the regression.
+        first_ridge: λ of the first map, from which it falls to `ridge` in the middle of the maps; None for `ridge`
+            everywhere. A larger one keeps few scenes from being learned by heart (docs/method.md, "Training").
         outlier_kind: kind of the training outliers.
         seed: draws the training scenes.
         rotation: largest angle of the training scenes, degrees.
@@ -46,6 +48,7 @@ class TrainingSettings:
     samples: int = 30_000
     maps: int = 30
     ridge: float = 2e-4
+    first_ridge: float | None = None
     outlier_kind: OutlierKind = "uniform"
     seed: int = 0
     rotation: float = RANGES["rotation"].train[1]
@@ -54,8 +57,9 @@ class TrainingSettings:
     def __post_init__(self) -> None:
         if self.samples < 2 or self.maps < 1:
             raise ValueError("training needs at least 2 samples and 1 map")
-        if not (np.isfinite(self.ridge) and self.ridge > 0):
-            raise ValueError(f"the ridge must be a positive number, not {self.ridge}")
+        for ridge in (self.ridge, *(() if self.first_ridge is None else (self.first_ridge,))):
+            if not (np.isfinite(ridge) and ridge > 0):
+                raise ValueError(f"the ridge must be a positive number, not {ridge}")
         if self.outlier_kind not in get_args(OutlierKind):
             raise ValueError(f"outlier_kind must be one of {get_args(OutlierKind)}, not {self.outlier_kind!r}")
         if self.seed < 0:
@@ -65,6 +69,13 @@ class TrainingSettings:
                 raise ValueError(
                     f"{name} must lie between 0 and {RANGES[name].high:g} in training, not {getattr(self, name)}"
                 )
+
+    def ridge_of(self, k: int) -> float:
+        """λ of map k, counted from 0: it falls by the same factor from map to map until the middle one."""
+        if self.first_ridge is None:
+            return self.ridge
+        share = min(2 * k / (self.maps - 1), 1.0) if self.maps > 1 else 1.0
+        return self.first_ridge ** (1 - share) * self.ridge**share
 
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:

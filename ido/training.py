@@ -107,7 +107,7 @@ class Learner:
     def learn(self) -> None:
         """Learn the next map (docs/method.md, Eq. 13 and 14). Warns when the training error did not fall."""
         z = _folded(self._histogram, self._folding, self._scenes, self._x, self._executor)
-        E = solve(z, self._x - self._x_true, self.settings.ridge)
+        E = solve(z, self._x - self._x_true, self.settings.ridge_of(self.learned))
         self._x = self._x - z @ E.T
         self._errors.append(_errors(self._x_true - self._x))
         self._kept.append((self._x_true - self._x)[self._shown])

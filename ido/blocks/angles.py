@@ -62,7 +62,7 @@ class UpOrDown(_Angle):
     __slots__ = ()
 
     def __init__(self) -> None:
-        super().__init__("up", "down", (0, 158, 115))
+        super().__init__("up", "down", (86, 180, 233))
 
     def angle(self, points: FloatArray) -> DoubleArray:
         return elevation(points)

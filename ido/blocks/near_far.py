@@ -21,7 +21,7 @@ class NearOrFar(Question):
     __slots__ = ()
 
     def __init__(self) -> None:
-        super().__init__("near", "far", (86, 180, 233))
+        super().__init__("near", "far", (170, 120, 60))
 
     def answers(self, points: FloatArray, normals: FloatArray, moved: FloatArray) -> BoolArray:
         return ((moved[None] - points[:, None]) ** 2).sum(axis=-1) < SIGMA2

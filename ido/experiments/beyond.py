@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ido.experiments.sweeps import LEVELS
+from ido.one_thread import on_one_processor
 from ido.perturbation import OUTLIER_REACH, Scene
 from ido.poses import invert, transform
 from ido.shipped import SHAPES, shipped_cloud
@@ -27,7 +28,8 @@ _DISTANCE, _REACH = 4.0, 400.0  # of the camera; and of the mirrored points that
 
 def _view(cloud: FloatArray, rng: np.random.Generator, _: float) -> FloatArray:
     """What a camera sees from a random direction (hidden point removal, Katz et al. 2007)."""
-    import open3d as o3d  # takes 2 s to import
+    with on_one_processor():
+        import open3d as o3d  # takes 2 s to import
 
     dense = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(cloud.astype(np.float64)))
     camera = rng.standard_normal(3)

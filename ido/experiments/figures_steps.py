@@ -25,7 +25,7 @@ HISTOGRAM_STEPS = (1, 5, 10, None)
 CLOUD_STEPS = (0, 5, None)
 """Iterations whose clouds are shown."""
 
-_BLOCK_COLORS = ("#E69F00", "#009E73", "#CC79A7")  # as in the explorer
+_BLOCK_COLORS = ("#E69F00", "#56B4E9", "#CC79A7")  # as in the explorer
 _OUTLIER_COLOR, _TRUE_COLOR, _MODEL_COLOR = "#be8cb6", "#009E73", "#b4b4b4"
 _REACH = 2.1  # of the picture from its centre, model units
 _TOP = 2.2  # of the histograms' axis; the reference line of each block peaks at 1

@@ -29,7 +29,7 @@ class Evidence:
         explained: how many points of the scene the model explains, repeated ones counted once.
         share: of the points that it explains.
         gain: log-likelihood that the model adds to the outliers alone, per explained point.
-        deficit: by how much the explained points' mean log-density is lower than that of the model's own points.
+        deficit: by how much the explained points' mean log-density is lower than that of other points of the model.
         margin: log-likelihood of all points, repeated ones counted once, over that of the second-best pose; inf when
             there is no second.
         weight: of the pose among all that it was chosen from, by their likelihoods; at most 1.
@@ -68,8 +68,8 @@ class Evidence:
         density = posterior.field(moved).astype(np.float64)
         member = posterior.explained(best.T) * (moved @ best.normal < best.offset)
         share = float(member.mean())
-        own = posterior.field(model).astype(np.float64)
-        at_home = float(np.log(own).mean()) - 0.5  # points that are noisy lie a little beside the densest places
+        at_home = float(np.log(posterior.field.of_the_others(model) + 1e-9).mean())
+        at_home -= 0.5  # points that are noisy lie a little beside the densest places
         reached = float((member * np.log(density + 1e-9)).mean() / max(share, 1e-9))
         kept = model[model @ best.normal < best.offset]
         near = moved[member > 0.5]

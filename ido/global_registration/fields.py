@@ -27,11 +27,13 @@ class Field:
         sigma: σ, model units.
         step: of the grid, model units.
         density: at the grid's corners, shape (n, n, n), float32; per cubic model unit.
+        n_points: of the cloud.
     """
 
     sigma: float
     step: float
     density: FloatArray
+    n_points: int
 
     @classmethod
     def of(cls, points: FloatArray, sigma: float) -> Field:
@@ -43,13 +45,22 @@ class Field:
         # spreading the points over the corners and reading between corners widen by step² / 6 each
         width = np.sqrt(sigma**2 - step**2 / 3) / step
         density = gaussian_filter(counts, width, mode="constant", truncate=5)
-        return cls(sigma, step, density / np.float32(len(points) * step**3))
+        return cls(sigma, step, density / np.float32(len(points) * step**3), len(points))
 
     def __call__(self, points: FloatArray) -> FloatArray:
         """The density at points (S, 3), shape (S,); 0 beyond the grid."""
         out = np.empty(len(points), dtype=np.float32)
         read(np.ascontiguousarray(points, dtype=np.float32), self.density, REACH, self.step, out)
         return out
+
+    def of_the_others(self, points: FloatArray) -> FloatArray:
+        """The density at points (S, 3) of the cloud itself, each time without that point, shape (S,), float64.
+
+        So much a fresh sample of the same surface would find there. In a sparse cloud a point's own part is most of it.
+        """
+        own = 1 / (2 * np.pi * self.sigma**2) ** 1.5  # of one point, in its place
+        n = self.n_points
+        return np.maximum(self(points) * n - own, 0.0) / max(n - 1, 1)
 
 
 @compiled(error_model="numpy")

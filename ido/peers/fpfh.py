@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ido.one_thread import on_one_processor
 from ido.peers.peer import Finder, Found, Peer
 from ido.registration import StopReason
 from ido.types import DoubleArray, FloatArray
@@ -43,7 +44,8 @@ class FPFHPeer(Peer):
         """Open3D's result of matching features."""
 
     def onto(self, cloud: FloatArray) -> Finder:
-        o3d = self.library()
+        with on_one_processor():
+            o3d = self.library()
         model, model_features = self._described(o3d, cloud.astype(np.float64))
         registration = o3d.pipelines.registration
         plane = registration.TransformationEstimationPointToPlane()

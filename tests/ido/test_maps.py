@@ -68,7 +68,7 @@ def test_round_trip_is_exact(small_maps: Maps, saved: Path):
 
 
 def test_settings_survive(small_maps: Maps, tmp_path: Path):
-    settings = TrainingSettings(samples=7, maps=8, ridge=0.125, outlier_kind="structured", seed=2**40)
+    settings = TrainingSettings(samples=7, maps=8, ridge=0.125, first_ridge=0.5, outlier_kind="structured", seed=2**40)
     replace(small_maps, settings=settings).save(tmp_path / "a.npz")
     assert Maps.load(tmp_path / "a.npz").settings == settings
 
@@ -282,7 +282,16 @@ def test_a_saved_file_has_the_usual_permissions(saved: Path):
 
 @pytest.mark.parametrize(
     "values",
-    [{"samples": 1}, {"maps": 0}, {"ridge": 0}, {"ridge": float("nan")}, {"seed": -1}, {"outlier_kind": "spiral"}],
+    [
+        {"samples": 1},
+        {"maps": 0},
+        {"ridge": 0},
+        {"first_ridge": 0},
+        {"first_ridge": float("inf")},
+        {"ridge": float("nan")},
+        {"seed": -1},
+        {"outlier_kind": "spiral"},
+    ],
 )
 def test_settings_out_of_range_are_refused(values: dict[str, Any]):
     with pytest.raises(ValueError):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import os
 import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -9,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import open3d as o3d
 import pytest
 
 from ido import Cloud, Perturbation, Scene, StopReason, cli, perturb, score, shipped_cloud
@@ -79,6 +80,25 @@ def test_by_name_they_give_the_same_pose_twice_and_refuse_bad_clouds(name: str, 
         method.register(np.zeros((2, 3)))
 
 
+def threads_with_open3d(*, registering: bool) -> int:
+    """How many a fresh process has after a registration, or after nothing but the import."""
+    scene = perturb(shipped_cloud("urban"), Perturbation(seed=2))
+    if registering:
+        shipped_method("urban", "Open3D RANSAC, tuned").register(scene.points)
+    else:
+        importlib.import_module("open3d")
+    return len(list(Path("/proc/self/task").iterdir()))
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="this system cannot bind a process to a processor")
+def test_open3d_has_one_thread_and_leaves_the_processors_to_others():
+    with local_executor(1) as (executor, _):
+        imported = executor.submit(threads_with_open3d, registering=False).result()  # one more in Open3D 0.19
+    with local_executor(1) as (executor, _):
+        assert executor.submit(threads_with_open3d, registering=True).result() == imported
+        assert executor.submit(os.sched_getaffinity, 0).result() == os.sched_getaffinity(0)
+
+
 def test_gicp_is_small_gicps_own_call(bunny: Cloud, scene: Scene):
     small_gicp = pytest.importorskip("small_gicp")
     ours = register_once("", GICP(downsampling=0.05).onto(bunny.points), scene.points)
@@ -101,6 +121,8 @@ def test_kiss_matcher_is_the_librarys_own_call_and_tells_where_it_finds_nothing(
 
 def test_ransac_and_fgr_follow_open3ds_tutorial(bunny: Cloud, scene: Scene):
     """The tutorial's own lines, with its voxel; RANSAC and FGR then differ in what they match with."""
+    import open3d as o3d  # not by the workers, which read this file too
+
     voxel, registration = 0.1, o3d.pipelines.registration
 
     def preprocessed(points: np.ndarray) -> tuple[Any, Any]:

@@ -56,6 +56,19 @@ def test_the_error_falls_at_every_map(kind: type[FrontBack], bunny: Cloud, small
     np.testing.assert_allclose(curves.translation + curves.rotation, curves.mean)
 
 
+def test_a_first_ridge_falls_to_the_ridge_by_the_middle_of_the_maps(bunny: Cloud, small_model: Model):
+    settings = replace(SMALL, maps=5, ridge=1e-4, first_ridge=1e-2)
+    np.testing.assert_allclose([settings.ridge_of(k) for k in range(5)], [1e-2, 1e-3, 1e-4, 1e-4, 1e-4])
+    assert {replace(settings, first_ridge=None).ridge_of(k) for k in range(5)} == {1e-4}
+    assert replace(settings, maps=1).ridge_of(0) == 1e-4
+    maps = train(bunny, FrontBack(small_model), settings).maps
+    strong, weak = (
+        train(bunny, FrontBack(small_model), replace(SMALL, maps=1, ridge=ridge)).maps[0] for ridge in (1e-2, 1e-4)
+    )
+    np.testing.assert_array_equal(maps[0], strong)
+    assert np.linalg.norm(weak) > 1.5 * np.linalg.norm(strong)
+
+
 class Blind(FrontBack):
     """Sees nothing."""
 

@@ -24,6 +24,7 @@ from ido.global_registration import GlobalSettings
 from ido.global_registration.climbing import climb
 from ido.global_registration.cut_plane import Posterior
 from ido.global_registration.evidence import moved_by
+from ido.global_registration.fields import Field
 from ido.global_registration.outliers import Background
 from ido.global_registration.search import spread_rotations
 from ido.methods import shipped_global_model
@@ -58,6 +59,14 @@ def test_a_field_is_the_mean_of_gaussians_about_the_points(bunny: Cloud, model: 
     for field in model.fields:
         exact = np.exp(-distance2 / (2 * field.sigma**2)).mean(axis=1) / (2 * np.pi * field.sigma**2) ** 1.5
         np.testing.assert_allclose(field(at), exact, rtol=0.12)
+
+
+def test_the_density_of_the_others_is_that_of_a_field_without_the_point(bunny: Cloud):
+    points = bunny.points[:: len(bunny.points) // 300]
+    field = Field.of(points, 0.1)
+    own = 1 / (2 * np.pi * 0.1**2) ** 1.5 / len(points)  # what the grid's cells get wrong of it, too
+    without = [Field.of(np.delete(points, i, axis=0), 0.1)(points[i : i + 1])[0] for i in range(0, len(points), 10)]
+    np.testing.assert_allclose(field.of_the_others(points)[::10], without, rtol=0.12, atol=0.12 * own)
 
 
 def test_rotations_are_spread_evenly():
@@ -149,6 +158,17 @@ def test_right_poses_are_sure_and_other_shapes_are_not(model: GlobalModel, resul
         doubted = Confidence.of(GlobalRegistration(model).run(other))
         assert doubted.probability < 0.5
         assert doubted.reasons
+
+
+def test_a_sparse_model_of_the_same_shape_is_not_taken_for_another_one(bunny: Cloud):
+    rng = np.random.default_rng(0)
+    order = rng.permutation(len(bunny.points))
+    sparse, fresh = bunny.points[order[:600]], bunny.points[order[600:1100]]
+    registration = GlobalRegistration(GlobalModel.of(sparse))
+    for size, is_told in ((1.0, False), (1.25, True)):
+        scene = fresh * size + rng.normal(0, 0.005, fresh.shape)
+        said = Confidence.of(registration.run(scene.astype(np.float32))).reasons
+        assert any("another size" in reason for reason in said) == is_told
 
 
 def box_surface(n: int, rng: np.random.Generator) -> FloatArray:
