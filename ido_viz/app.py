@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
-import socket
 import threading
 from collections.abc import Collection
 from dataclasses import replace
@@ -20,10 +18,11 @@ from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
 from ido_viz.own.draft import Draft
 from ido_viz.own.workshop import Workshop
-from ido_viz.serving.guests import Guests, read_origins
-from ido_viz.serving.listening import authority, is_open, listen
+from ido_viz.serving.entrance import Entrance
+from ido_viz.serving.guests import read_origins
+from ido_viz.serving.listening import listen
 from ido_viz.serving.room import Room, usual_room
-from ido_viz.serving.server import current_request, leave_quietly, start
+from ido_viz.serving.server import current_request, prepare, start
 from ido_viz.serving.values import refuse_nonsense
 from ido_viz.session import Session
 from ido_viz.teach.derivations import derivations
@@ -33,7 +32,6 @@ from ido_viz.teach.presets import presets
 AWAY = 120.0
 """Seconds that a session is kept after its connection went."""
 
-_TOKEN_BYTES = 12
 _SHORTEST_NAME = 20
 
 
@@ -50,6 +48,8 @@ class App:
         sessions: how many pages are served at once; as many as suit the machine unless given.
         data: folder where people's own clouds are kept; None for pages without them.
         draft: a cloud of one's own that pages begin with, to be trained on there.
+        entrance: that of another process, which hands pages on to this one. It alone is told the port, which is any
+            free one, and the host, token and origins are its own.
 
     Raises:
         StateError: the state's shape or methods are not in the library.
@@ -70,6 +70,7 @@ class App:
         sessions: int | None = None,
         data: Path | None = None,
         draft: Draft | None = None,
+        entrance: Entrance | None = None,
     ) -> None:
         self._library = library or shipped_library()
         self._workshop = None if data is None else Workshop(self._library, data, draft)
@@ -78,22 +79,16 @@ class App:
         self._state = self._library.checked(state or State())
         for load in (lessons, presets, derivations):
             load()  # a mistake in one is said here, not when a tab is opened
-        its_origins = read_origins(origins)
         self._sessions: dict[int, Session] = {}
         self._names: dict[int, str] = {}  # of their pages
         self._away = Kept[Session](AWAY, Session.close)
         self._lock = threading.Lock()
-        listener = listen(host, port)
-        self.is_open = is_open(listener)
-        """Whether other machines can connect."""
-        self._address = f"http://{authority(listener, host)}"
-        its_token = secrets.token_urlsafe(_TOKEN_BYTES) if self.is_open and token else None
-        self._query = f"/?token={its_token}" if its_token else ""
-        machine = socket.gethostname().lower()
-        names = {machine, f"{machine}.local"} if self.is_open else set[str]()
-        self._guests = Guests(frozenset({host.lower()} | names), its_origins, its_token)
+        its_origins = read_origins(origins)
+        listener = listen(host, port) if entrance is None else listen("127.0.0.1", 0)
+        self.entrance = entrance or Entrance.of(listener, host, token=token, origins=its_origins)
+        """Where pages come in."""
         with hush():  # the command prints the address itself
-            self.server = start(listener, self._guests, Room(sessions or usual_room()), "IDO Explorer")
+            self.server = start(listener, self.entrance.guests, Room(sessions or usual_room()), "IDO Explorer")
         self.server.scene.world_axes.visible = False
         self.server.on_client_connect(self._open)
         self.server.on_client_disconnect(self._close)
@@ -101,12 +96,12 @@ class App:
     @property
     def url(self) -> str:
         """Where the page really is, for those who may open it."""
-        return self._address + self._query
+        return self.entrance.url
 
     @property
     def unreadable(self) -> tuple[str, ...]:
         """Kept clouds that cannot be read, and why."""
-        return () if self._workshop is None else tuple(self._workshop.shelf.unreadable)
+        return () if self._workshop is None else self._workshop.shelf.unreadable
 
     @property
     def n_sessions(self) -> int:
@@ -127,9 +122,11 @@ class App:
             self.server.stop()
 
     async def _open(self, client: viser.ClientHandle) -> None:
-        leave_quietly(client)
+        prepare(client)
         refuse_nonsense(client, lambda reason: client.add_notification("Not taken", reason, auto_close_seconds=8.0))
         request = current_request()
+        if self._workshop is not None:
+            self._workshop.shelf.look_again()
         state, step, complaint = self._asked(request)
         name, address = _name(request), self._shown_address(request)
         session = self._away.take(name)
@@ -147,7 +144,7 @@ class App:
             self._names[client.client_id] = name
         session.start()
         if complaint:
-            client.add_notification("This address cannot be used", complaint, color="red")
+            client.add_notification("This address cannot be used", complaint, color="red", auto_close_seconds=15.0)
 
     def _asked(self, request: Request) -> tuple[State, str, str]:
         """The state and the lesson's step that a page's address asks for, and what is wrong with it, if anything."""
@@ -157,7 +154,7 @@ class App:
             state = replace(self._state, dark=True) if "dark" in asked else self._state  # as the browser prefers it
             if fragment.step:
                 lesson, number = step_named(fragment.step)
-                state = lesson.steps[number].state
+                state = replace(lesson.steps[number].state, dark=state.dark)
             if fragment.code:
                 state = decode(fragment.code)
             return self._library.checked(state), fragment.step, ""
@@ -166,11 +163,11 @@ class App:
 
     def _shown_address(self, request: Request) -> str:
         """The address of a page without its fragment, as others can open it, or else as its own browser did."""
-        origin = request.headers.get("Origin")
-        if not origin or (self.is_open and origin.lower() not in self._guests.origins):
-            return self._address + (self._query or "/")
+        origin, its = request.headers.get("Origin"), self.entrance
+        if not origin or (its.is_open and origin.lower() not in its.guests.origins):
+            return its.address + (its.query or "/")
         path = parse_qs(urlsplit(request.path).query).get("path", ["/"])[0]  # a proxy's may be longer than ours
-        return f"{origin}/{quote(path.removeprefix('/'))}{self._query.removeprefix('/')}"
+        return f"{origin}/{quote(path.removeprefix('/'))}{its.query.removeprefix('/')}"
 
     def _close(self, client: viser.ClientHandle) -> None:
         with self._lock:

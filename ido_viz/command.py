@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import gc
 import sys
 import threading
 import webbrowser
 from dataclasses import dataclass, replace
+from functools import partial
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Annotated
 
@@ -20,9 +25,12 @@ from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.plugins import QUICK, QUICK_POINTS, classes_of
 from ido_viz.core.run import warm_up
 from ido_viz.core.state import State, StateError, decode
-from ido_viz.own.draft import read_draft
-from ido_viz.serving.guests import OriginError
-from ido_viz.serving.listening import ListenError
+from ido_viz.own.draft import Draft, read_draft
+from ido_viz.serving.entrance import Entrance
+from ido_viz.serving.guests import OriginError, read_origins
+from ido_viz.serving.listening import ListenError, listen, opens_to_others
+from ido_viz.serving.room import usual_room
+from ido_viz.serving.servers import Ready, ServersError, serve_with, usual_servers
 from ido_viz.teach.content import ContentError
 from ido_viz.teach.lessons import lesson
 
@@ -59,6 +67,8 @@ class Options:
     """Where else the page may come from, as https://example.org of a proxy."""
     sessions: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Pages that are served at once; as many as suit the machine unless given."""
+    servers: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Processes that serve them; one, and where other machines are let in one a processor (4 at most), unless given."""
     data: Path | None = None
     """Folder where clouds that were trained on in the page are kept; the system's own place for that unless given."""
     open: bool = True
@@ -78,40 +88,115 @@ OPEN_TO_ALL = (
 )
 
 
+REFUSALS = (StateError, ContentError, CloudError, MapsError, OwnError, ListenError, OriginError, ServersError, OSError)
+
+
 def run() -> int:
     """Run the explorer until Ctrl-C; what the command ends with."""
     options = tyro.cli(Options, prog="ido-viz")
     try:
-        library, state = start(options)
-        draft = read_draft(options.cloud) if options.cloud and not options.explores_cloud else None
-        app = App(
-            state,
-            library=library,
-            host=options.host,
-            port=options.port,
-            token=options.token,
-            origins=options.allow_origin,
-            sessions=options.sessions,
-            data=data_folder(options),
-            draft=draft,
-        )
-    except (StateError, ContentError, CloudError, MapsError, OwnError, ListenError, OriginError, OSError) as error:
+        if any(number is not None and number < 1 for number in (options.sessions, options.servers)):
+            raise StateError("--sessions and --servers must be at least 1")
+        servers = options.servers or usual_servers(is_open=opens_to_others(options.host))
+        if servers == 1:
+            serve(options)
+        else:
+            serve_by_several(options, servers)
+    except KeyboardInterrupt:
+        return 0
+    except REFUSALS as error:
         print(f"ido-viz: {error}", file=sys.stderr)
         return 2
-    try:
-        print(f"IDO Explorer is at {app.url} (stop it with Ctrl-C)", flush=True)
-        if app.is_open:
-            note(f"[yellow]{OPEN_WITH_TOKEN if options.token else OPEN_TO_ALL}[/]")
-        for text in app.unreadable:
-            note(f"[yellow]this kept cloud cannot be read: {escape(text)}[/]")
-        # compiles on the very first start, and loads clouds and maps, while the browser loads the page
-        threading.Thread(target=warm_up, args=(state, library), daemon=True).start()
-        if options.open:
-            webbrowser.open(app.url)
-        app.server.sleep_forever()
-    except KeyboardInterrupt:
-        app.stop()
     return 0
+
+
+def serve(options: Options) -> None:
+    """Serve in this process, until Ctrl-C.
+
+    Raises:
+        Exception: one of `REFUSALS`.
+    """
+    library, state = start(options)
+    app = App(
+        state,
+        library=library,
+        host=options.host,
+        port=options.port,
+        token=options.token,
+        origins=options.allow_origin,
+        sessions=options.sessions,
+        data=data_folder(options),
+        draft=draft(options),
+    )
+    try:
+        announce(options, app.entrance, app.unreadable)
+        # while the browser loads the page
+        threading.Thread(target=get_ready, args=(state, library), daemon=True).start()
+        app.server.sleep_forever()
+    finally:
+        app.stop()
+
+
+def serve_by_several(options: Options, servers: int) -> None:
+    """Serve by several processes, until Ctrl-C.
+
+    Raises:
+        Exception: one of `REFUSALS`.
+    """
+    origins, data = read_origins(options.allow_origin), data_folder(options)
+    share = -(-(options.sessions or usual_room()) // servers)
+    with listen(options.host, options.port) as listener:
+        entrance = Entrance.of(listener, options.host, token=options.token, origins=origins)
+        one = partial(serve_behind, options, data, entrance, share)
+
+        def stands(ready: Ready) -> None:
+            announce(options, entrance, ready.notes)
+
+        asyncio.run(serve_with(one, servers, share, listener, stands))
+
+
+def serve_behind(options: Options, data: Path | None, entrance: Entrance, share: int, there: Connection) -> None:
+    """What each of several processes does: serve until the one that started it says so, or has ended itself."""
+    try:
+        library, state = start(options)
+        app = App(state, library=library, sessions=share, data=data, draft=draft(options), entrance=entrance)
+    except REFUSALS as error:
+        there.send(str(error))
+        return
+    there.send(Ready(app.server.get_port(), app.unreadable))
+    threading.Thread(target=get_ready, args=(state, library), daemon=True).start()
+    with contextlib.suppress(EOFError, OSError):
+        there.recv()
+    app.stop()
+
+
+def announce(options: Options, entrance: Entrance, notes: tuple[str, ...]) -> None:
+    """Say where the page is, and open it."""
+    print(f"IDO Explorer is at {entrance.url} (stop it with Ctrl-C)", flush=True)
+    if entrance.is_open:
+        note(f"[yellow]{OPEN_WITH_TOKEN if options.token else OPEN_TO_ALL}[/]")
+    for text in notes:
+        note(f"[yellow]this kept cloud cannot be read: {escape(text)}[/]")
+    if options.open:
+        webbrowser.open(entrance.url)
+
+
+def draft(options: Options) -> Draft | None:
+    """The cloud that pages begin with, to be trained on there; None where there is none.
+
+    Raises:
+        CloudError: it cannot be used.
+    """
+    return read_draft(options.cloud) if options.cloud and not options.explores_cloud else None
+
+
+def get_ready(state: State, library: Library) -> None:
+    """Compile, on the very first start, and load clouds and maps.
+
+    What there is then stays, and the collector of garbage, which stops all pages while it looks, need not look at it.
+    """
+    warm_up(state, library)
+    gc.freeze()
 
 
 def data_folder(options: Options) -> Path | None:
@@ -141,8 +226,6 @@ def start(options: Options) -> tuple[Library, State]:
         OwnError: a method or histogram of one's own is not named as it must be.
     """
     library = shipped_library()
-    if options.sessions is not None and options.sessions < 1:
-        raise StateError(f"--sessions must be at least 1, not {options.sessions}")
     if options.lesson and (options.state or options.shape or options.cloud or options.maps):
         raise StateError("give --lesson without --state, --shape, --cloud and --maps")
     state = lesson(options.lesson).steps[0].state if options.lesson else State()

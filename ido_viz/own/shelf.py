@@ -6,7 +6,7 @@ import secrets
 import shutil
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -60,23 +60,14 @@ class Shelf(Mapping[str, Subject]):
     def __init__(self, given: Mapping[str, Subject], folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder
-        self.unreadable: list[str] = []
-        """What of the folder cannot be read, and why."""
+        self._unreadable: dict[Path, str] = {}
         self._lock = threading.RLock()
         self._watchers: list[Callable[[], None]] = []
         self._given = given
         self._kept: dict[str, Place] = {}
         self._subjects = dict(given)
         _tidy(folder)
-        for path in sorted(folder.glob("*.npz")):
-            try:
-                head = _head(path)
-            except MapsError as error:
-                self.unreadable.append(f"{path.name}: {error}")
-                continue
-            name = self.free_name(head.name)
-            self._kept[name] = Place(path, head.unit)
-            self._subjects[name] = _subject(path, head)
+        self.look_again()
 
     def __getitem__(self, name: str) -> Subject:
         return self._subjects[name]
@@ -86,6 +77,11 @@ class Shelf(Mapping[str, Subject]):
 
     def __len__(self) -> int:
         return len(self._subjects)
+
+    @property
+    def unreadable(self) -> tuple[str, ...]:
+        """What of the folder cannot be read, and why."""
+        return tuple(f"{path.name}: {why}" for path, why in self._unreadable.items())
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -105,13 +101,33 @@ class Shelf(Mapping[str, Subject]):
         """Undo `watch`."""
         self._watchers.remove(changed)
 
+    def look_again(self) -> None:
+        """Take note of what other servers have kept in the folder, or deleted there."""
+        with self._lock:
+            kept = {place.maps: name for name, place in self._kept.items()}
+            lying = set(self.folder.glob("[!.]*.npz"))  # one with a dot is being written
+            gone = [name for path, name in kept.items() if path not in lying]
+            for name in gone:
+                del self._kept[name]
+            subjects = {name: subject for name, subject in self._subjects.items() if name not in gone}
+            changed = bool(gone)
+            for path in sorted(lying - kept.keys() - self._unreadable.keys()):
+                try:
+                    head = _head(path)
+                except MapsError as error:
+                    self._unreadable[path] = str(error)
+                    continue
+                name = free_name(head.name, subjects)
+                self._kept[name] = Place(path, head.unit)
+                subjects[name] = _subject(path, head)
+                changed = True
+            self._subjects = subjects
+        if changed:
+            self._tell()
+
     def free_name(self, wanted: str) -> str:
         """The name, or the name with a number, that no shape has."""
-        name, number = wanted, 2
-        while name in self._subjects:
-            end = f" ({number})"
-            name, number = wanted[: LONGEST_NAME - len(end)] + end, number + 1
-        return name
+        return free_name(wanted, self._subjects)
 
     def check_room(self) -> None:
         """See that one cloud more can be kept.
@@ -119,6 +135,7 @@ class Shelf(Mapping[str, Subject]):
         Raises:
             ShelfError: there are too many, or they take too much room.
         """
+        self.look_again()
         if len(self._kept) >= MOST_CLOUDS:
             raise ShelfError(f"{MOST_CLOUDS} clouds are kept already; delete one first")
         if sum(path.stat().st_size for path in self.folder.glob("*.npz")) > MOST_ON_DISK:
@@ -183,6 +200,15 @@ class Shelf(Mapping[str, Subject]):
     def _tell(self) -> None:
         for changed in tuple(self._watchers):
             changed()
+
+
+def free_name(wanted: str, taken: Collection[str]) -> str:
+    """The name, or the name with a number, that is not taken."""
+    name, number = wanted, 2
+    while name in taken:
+        end = f" ({number})"
+        name, number = wanted[: LONGEST_NAME - len(end)] + end, number + 1
+    return name
 
 
 def _tidy(folder: Path) -> None:

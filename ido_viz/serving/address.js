@@ -50,6 +50,7 @@
   const FULL = "The explorer is full. This page goes on by itself when somebody closes theirs.";
   const banner = document.createElement("div");
   banner.setAttribute("role", "status");
+  banner.dataset.banner = "";
   banner.textContent = AWAY;
   banner.style.cssText =
     "position:fixed;top:12px;left:50%;transform:translateX(-50%);z-index:1000;padding:8px 16px;border-radius:4px;" +

@@ -29,11 +29,7 @@ def listen(host: str, port: int | None) -> socket.socket:
     """
     if port is not None and not 0 <= port <= 65535:
         raise ListenError(f"a port is a number from 0 to 65535, not {port}")
-    try:
-        found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
-    except (OSError, UnicodeError) as error:
-        raise ListenError(f"the host {host!r} is not known; give an address of this machine, as 127.0.0.1") from error
-    family, _, _, _, (address, _, *scope) = found[0]
+    family, (address, *scope) = _found(host)
     for candidate in range(USUAL_PORT, USUAL_PORT + _TRIED) if port is None else (port,):
         try:
             return socket.create_server(
@@ -48,6 +44,20 @@ def listen(host: str, port: int | None) -> socket.socket:
     raise ListenError(f"no port from {USUAL_PORT} on is free; give one with --port, or 0 for any")
 
 
+def _found(host: str) -> tuple[socket.AddressFamily, tuple[str, *tuple[int, ...]]]:
+    """The first address of a host, and what else names the place; without a port."""
+    try:
+        found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
+    except (OSError, UnicodeError) as error:
+        raise ListenError(f"the host {host!r} is not known; give an address of this machine, as 127.0.0.1") from error
+    family, _, _, _, (address, _, *scope) = found[0]
+    return family, (str(address), *map(int, scope))
+
+
+def _is_open(address: str) -> bool:
+    return not ip_address(_plain(address)).is_loopback
+
+
 def _why(error: OSError, host: str, port: int) -> str:
     """What is wrong with a host and a port, and what to do."""
     if error.errno == errno.EADDRINUSE:
@@ -59,9 +69,19 @@ def _why(error: OSError, host: str, port: int) -> str:
     return f"cannot listen on {host}, port {port}: {error.strerror or error}"
 
 
+def opens_to_others(host: str) -> bool:
+    """Whether other machines could connect to a host, as it is asked for.
+
+    Raises:
+        ListenError: the host is unknown.
+    """
+    _, (address, *_) = _found(host)
+    return _is_open(address)
+
+
 def is_open(listener: socket.socket) -> bool:
     """Whether other machines can connect."""
-    return not ip_address(_bound(listener)).is_loopback
+    return _is_open(_bound(listener))
 
 
 def authority(listener: socket.socket, host: str) -> str:
@@ -72,7 +92,11 @@ def authority(listener: socket.socket, host: str) -> str:
 
 
 def _bound(listener: socket.socket) -> str:
-    return listener.getsockname()[0].partition("%")[0]  # what follows names a network card
+    return _plain(listener.getsockname()[0])
+
+
+def _plain(address: str) -> str:
+    return address.partition("%")[0]  # what follows names a network card
 
 
 def _reachable() -> str:

@@ -1,5 +1,5 @@
-// What viser's page does not do by itself: sliders with names, keys after a menu was used, telling which tabs are open,
-// and clicks into pictures.
+// What viser's page does not do by itself: a splash until it is there, sliders with names, keys after a menu was used,
+// telling which tabs are open, and clicks into pictures.
 (() => {
   // A slider's thumb has no accessible name; it gets that of its row.
   function nameSliders() {
@@ -31,11 +31,34 @@
     input.dispatchEvent(new Event("input", { bubbles: true }));
   }
 
+  // The splash stands before the page until the server has built it and everything has its place, or something else is
+  // to be seen. Times are in milliseconds.
+  const [LONGEST_SPLASH, AT_REST, FADING, LOOKING] = [15_000, 300, 400, 50];
+  const PHONE = 600; // pixels; there, nothing stands beside the canvas
+  function place() {
+    const canvas = document.querySelector("canvas[data-engine]")?.getBoundingClientRect();
+    const placed = canvas?.width && field("Open tabs") && (canvas.left > 0 || innerWidth <= PHONE);
+    return placed ? [canvas.left, canvas.top, canvas.width, canvas.height].join() : "";
+  }
+  const began = performance.now();
+  let [last, since] = ["", began];
+  const looking = setInterval(() => {
+    const [now, at] = [performance.now(), place()];
+    if (at !== last) [last, since] = [at, now];
+    const rests = at && now - since > AT_REST;
+    if (!rests && now - began < LONGEST_SPLASH && !document.querySelector("[data-no-page], [data-banner]")) return;
+    clearInterval(looking);
+    document.getElementById("ido-splash")?.classList.add("gone");
+    tellTabs();
+    setTimeout(() => document.getElementById("ido-splash")?.remove(), FADING);
+  }, LOOKING);
+
   // The server draws the charts of the tabs that are open, and no others. A page that connects anew has an empty field.
   let telling = null;
   let told = null;
   function tellTabs() {
     telling = null;
+    if (document.querySelector("#ido-splash:not(.gone)")) return; // it plays once somebody can see it
     const tabs = [...document.querySelectorAll("[role=tab][aria-selected=true]")];
     const open = tabs.map((tab) => tab.textContent.trim()).join();
     if (!told?.isConnected) told = field("Open tabs");
@@ -45,11 +68,43 @@
     telling ??= setTimeout(tellTabs, 30);
   }).observe(document, { subtree: true, childList: true, attributes: true, attributeFilter: ["aria-selected"] });
 
-  // In a small window, what a tab of the control panel holds begins below the panel's end: opening it brings it into view.
+  // In a small window, what a tab of the control panel holds begins below the panel's end: opening it brings it into
+  // view, as it comes.
+  const COMING = 1500; // milliseconds
   addEventListener("click", (event) => {
     const tabs = event.target.closest?.("[role=tab]")?.closest(".mantine-ScrollArea-viewport [data-dock-group]");
-    if (tabs) setTimeout(() => tabs.scrollIntoView({ block: "nearest", behavior: "smooth" }), 100);
+    if (!tabs) return;
+    const growing = new ResizeObserver(() => tabs.scrollIntoView({ block: "nearest", behavior: "smooth" }));
+    growing.observe(tabs);
+    setTimeout(() => growing.disconnect(), COMING);
   });
+
+  // A number field that is left with nothing or with half a number in it keeps it, though the value is still the last
+  // number; it gets that back.
+  const isNumber = (field) => field.matches?.(".mantine-NumberInput-input");
+  const holdsOne = (field) => field.value.trim() !== "" && Number.isFinite(Number(field.value));
+  for (const kind of ["focusin", "input"])
+    addEventListener(kind, ({ target }) => {
+      if (isNumber(target) && holdsOne(target)) target.dataset.number = target.value;
+    });
+  addEventListener("focusout", ({ target }) => {
+    if (!isNumber(target) || target.dataset.number === undefined) return;
+    setTimeout(() => holdsOne(target) || write(target, target.dataset.number));
+  });
+
+  // Escape closes a window that stands over the page, by its button.
+  addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    const buttons = [...document.querySelectorAll("[role=dialog] button")];
+    buttons.find((button) => button.textContent.trim() === "Close")?.click();
+  });
+
+  // Arrows move the slider that has the focus; viser would turn the camera by them, too.
+  addEventListener("DOMContentLoaded", () =>
+    document.body.addEventListener("keydown", (event) => {
+      if (event.key.startsWith("Arrow") && event.target.closest?.("[role=slider]")) event.stopPropagation();
+    }),
+  );
 
   // A menu keeps the focus once something was chosen, and letter keys, which are the page's, would go on into it.
   addEventListener("click", (event) => {
@@ -69,6 +124,33 @@
     const box = element.getBoundingClientRect();
     return Math.min(Math.max((event.clientX - box.left) / box.width, 0), 0.99999).toFixed(5);
   };
+
+  // All that a hand does in one go, from a button or key that goes down to the next that does, is one change, however
+  // long it takes; so these are counted. The count is not that of a page that this one goes on from. viser sends a
+  // message of a panel every 50 milliseconds, and of those in between the last one alone: the count is told when the
+  // hand rests, or it would take the place of a value.
+  const RESTING = 120; // milliseconds
+  let [gestures, lastMove, counting] = [Date.now() % 1e7, -RESTING, null];
+  function tellGesture() {
+    const left = lastMove + RESTING - performance.now();
+    counting = left > 0 ? setTimeout(tellGesture, left) : null;
+    const input = left > 0 ? null : field("Gesture");
+    if (input) write(input, `${gestures}`);
+  }
+  const moves = (event) => {
+    if (event.isTrusted && (event.type !== "pointermove" || event.buttons)) lastMove = performance.now();
+  };
+  for (const kind of ["pointerdown", "keydown"])
+    addEventListener(
+      kind,
+      (event) => {
+        if (event.repeat) return;
+        gestures += 1;
+        if (counting === null) tellGesture();
+      },
+      true,
+    );
+  for (const kind of ["pointerdown", "pointermove", "pointerup", "keydown", "input"]) addEventListener(kind, moves, true);
 
   // The browser makes no click of a button that goes down and up on a picture which was replaced meanwhile, as pictures
   // are while the page plays. So a click is here what goes up where it went down.

@@ -24,11 +24,6 @@ class Room:
         """Whether there is no room for another page."""
         return self.taken >= self.most
 
-    @property
-    def page(self) -> str:
-        """What somebody sees for whom there is no room; it tries again by itself."""
-        return _FULL.format(most=self.most)
-
 
 def usual_room() -> int:
     """How many pages this machine should serve at once."""
@@ -39,16 +34,17 @@ def usual_room() -> int:
     return max(1, min(processors, memory // A_PAGE))
 
 
-_FULL = """<!doctype html>
+FULL = """<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
 <meta http-equiv="refresh" content="10">
 <title>IDO Explorer is full</title>
 <body style="font:1.1rem/1.5 sans-serif;max-width:32rem;margin:20vh auto;padding:0 1rem">
 <h1>The explorer is full</h1>
-<p>It shows {most} pages at once, and that many are open. This page tries again every ten seconds; it goes on as soon as
+<p>As many pages are open as it shows at once. This page tries again every ten seconds; it goes on as soon as
 somebody closes theirs.</p>
 <p>Whoever runs it can let more in with <code>ido-viz --sessions N</code>.</p>
 </body>
 </html>
 """
+"""What somebody sees for whom there is no room; it tries again by itself."""

@@ -4,11 +4,12 @@ viser makes its web server in one call of `websockets.asyncio.server.serve`, and
 viser server is made, ours stands in its place. It hands on everything, with a socket that listens already, looks at
 each request before viser sees it, remembers it for `current_request`, bounds what browsers send, and serves viser's
 page with scripts in it: `charts.js` for the data of charts, `address.js` for the address, and `page.js` for what
-viser's page lacks.
+viser's page lacks; `splash.html` stands before it until there is something to see.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import gzip
 import http
@@ -30,7 +31,7 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from ido_viz.serving.guests import Guests
-from ido_viz.serving.room import Room
+from ido_viz.serving.room import FULL, Room
 from ido_viz.serving.traffic import LARGEST, BoundedConnection
 
 _PAGES = ("/", "/index.html")
@@ -68,9 +69,34 @@ def start(listener: socket.socket, guests: Guests, room: Room, label: str) -> vi
     return server
 
 
-def leave_quietly(client: viser.ClientHandle) -> None:
-    """Have what is still drawn for a page that was closed meanwhile thrown away without a warning."""
-    client._websock_connection.get_message_buffer()._warned_push_after_done = True  # viser warns once, and has now
+class AnyThreadEvent(asyncio.Event):
+    """An event that any thread may set; those who wait are woken when it is set on the thread of their loop.
+
+    viser sets one on the threads that draw, and then on its own to wake who sends. asyncio's event, which is for one
+    thread, also wakes from the others, and fails there when somebody begins to wait at the same moment.
+    """
+
+    loop: asyncio.AbstractEventLoop | None = None
+    """On whose thread those are who wait."""
+
+    def set(self) -> None:
+        """Set it."""
+        self._value = True
+        here = asyncio._get_running_loop()
+        if here is None or here is not self.loop:
+            return
+        for waiting in self._waiters:
+            if not waiting.done():
+                waiting.set_result(True)
+
+
+def prepare(client: viser.ClientHandle) -> None:
+    """Make a connection ready to be drawn on by another thread, also in the moment when its page is closed."""
+    buffer = client._websock_connection.get_message_buffer()
+    event: Any = buffer.message_event
+    event.__class__ = AnyThreadEvent  # who waits for it already goes on waiting
+    event.loop = buffer.event_loop
+    buffer._warned_push_after_done = True  # viser warns once of what is thrown away, and has now
 
 
 @contextlib.contextmanager
@@ -103,7 +129,7 @@ def _our_door(listener: socket.socket, guests: Guests, room: Room) -> Iterator[t
                 return connection.respond(http.HTTPStatus.FORBIDDEN, refused + "\n")
             is_socket = request.headers.get("Upgrade", "").lower() == "websocket"
             if room.is_full and (is_socket or urlsplit(request.path).path in _PAGES):
-                return _full(room)
+                return _full()
             if is_socket:
                 return None
             if urlsplit(request.path).path in _PAGES:
@@ -126,9 +152,9 @@ def _our_door(listener: socket.socket, guests: Guests, room: Room) -> Iterator[t
             websockets.asyncio.server.serve = original
 
 
-def _full(room: Room) -> Response:
+def _full() -> Response:
     """What is answered when there is no room."""
-    body = room.page.encode()
+    body = FULL.encode()
     headers = Headers(
         {"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(body)), "Retry-After": "10"}
     )
@@ -147,10 +173,11 @@ def _page(request: Request) -> Response:
 
 @cache
 def _packed_page() -> bytes:
-    """viser's page with our scripts before its own."""
-    before, head, after = (
-        (Path(viser.__file__).parent / "client/build/index.html").read_text("utf-8").partition("<head>")
-    )
-    scripts = ((Path(__file__).parent / name).read_text("utf-8") for name in _SCRIPTS)
-    ours = "".join(f"<script>{script}</script>" for script in scripts)
-    return gzip.compress(f"{before}{head}{ours}{after}".encode())
+    """viser's page with our scripts before its own, behind our splash."""
+    page = (Path(viser.__file__).parent / "client/build/index.html").read_text("utf-8")
+    here = Path(__file__).parent
+    scripts = "".join(f"<script>{(here / name).read_text('utf-8')}</script>" for name in _SCRIPTS)
+    before, head, rest = page.partition("<head>")
+    between, body, after = rest.rpartition("<body>")  # viser's own script may name one
+    splash = (here / "splash.html").read_text("utf-8")
+    return gzip.compress("".join([before, head, scripts, between, body, splash, after]).encode())

@@ -5,6 +5,7 @@ viser takes any value over before anybody is asked. So its own way of taking val
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from typing import Any
 
@@ -17,11 +18,18 @@ LONGEST_TEXT = 20_000
 LARGEST_NUMBER = 2.0**53
 """Up to which numbers are exact in a browser; much larger ones cannot be sent back to it."""
 
+AT_REST = 2.0
+"""Seconds without another value after which a widget is answered, or answered once more."""
+
 _SHOWN = 40  # letters of a value in a message
 
 
 def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -> None:
     """Have values refused that a page's widgets do not offer.
+
+    The browser is answered with the value that the widget has. A number out of range may be the first digits of another
+    one, so that is told when the widget is at rest. What a browser sent before a value of the server's came is taken,
+    but not shown there any more. So a number, and what was refused, is told once more at rest, too.
 
     Args:
         client: the page.
@@ -29,16 +37,35 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
     """
     gui: Any = client.gui
     connection, take_over = gui._websock_interface, gui._handle_gui_updates
+    resting: dict[str, asyncio.TimerHandle] = {}  # widgets that are to be answered
+
+    def answer(uuid: str, reason: str | None) -> None:
+        resting.pop(uuid, None)
+        widget = gui._gui_input_handle_from_uuid.get(uuid)
+        if widget is not None:
+            connection.queue_message(GuiUpdateMessage(uuid, {"value": widget.value}))
+            if reason is not None:
+                tell(f"{widget.label}: {reason}")
+
+    def answer_at_rest(uuid: str, reason: str | None = None) -> None:
+        if uuid in resting:
+            resting[uuid].cancel()
+        resting[uuid] = asyncio.get_running_loop().call_later(AT_REST, answer, uuid, reason)
 
     async def take(client_id: Any, message: GuiUpdateMessage) -> None:
-        widget = gui._gui_input_handle_from_uuid.get(message.uuid)
-        reason = None if widget is None else refusal(widget, message.updates.get("value"))
+        widget, value = gui._gui_input_handle_from_uuid.get(message.uuid), message.updates.get("value")
+        reason = None if widget is None else refusal(widget, value)
         if widget is None or reason is None:
             await take_over(client_id, message)
-            return
-        if not widget._impl.is_button:  # the browser shows again what it was
-            connection.queue_message(GuiUpdateMessage(message.uuid, {"value": widget.value}))
-        tell(f"{widget.label}: {reason}")
+            if message.uuid in resting or _is_number(value):
+                answer_at_rest(message.uuid)
+        elif _is_number(value) and _is_number(widget.value) and not widget.disabled:
+            answer_at_rest(message.uuid, reason)
+        else:
+            if not widget._impl.is_button:
+                answer(message.uuid, None)
+                answer_at_rest(message.uuid)
+            tell(f"{widget.label}: {reason}")
 
     connection.unregister_handler(GuiUpdateMessage, take_over)
     connection.register_handler(GuiUpdateMessage, take)
@@ -66,9 +93,16 @@ def refusal(widget: Any, value: object) -> str | None:
         return None if isinstance(value, bool) else f"{_shown(value)} is neither on nor off."
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST_NUMBER:
         return f"{_shown(value)} is not a number."
-    if isinstance(widget, viser.GuiSliderHandle) and not widget.min <= value <= widget.max:
-        return f"{_shown(value)} does not lie between {widget.min:g} and {widget.max:g}."
+    low, high = getattr(widget, "min", None), getattr(widget, "max", None)
+    if low is not None and value < low:
+        return f"{_shown(value)} is too small; it can be {low:g} at least."
+    if high is not None and value > high:
+        return f"{_shown(value)} is too large; it can be {high:g} at most."
     return None
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _shown(value: object) -> str:

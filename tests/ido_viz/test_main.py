@@ -73,6 +73,9 @@ def test_ctrl_c_before_the_address_is_printed_ends_it_quietly(loading: str):
         (("--allow-origin", "example.org"), "looks like https://example.org"),
         (("--state", "ido1-damaged"), "damaged"),
         (("--sessions", "0"), "at least 1"),
+        (("--servers", "0"), "at least 1"),
+        (("--servers", "2", "--state", "ido1-damaged"), "damaged"),
+        (("--servers", "2", "--port", "99999999"), "from 0 to 65535"),
     ],
 )
 def test_what_cannot_be_used_is_said_at_once(

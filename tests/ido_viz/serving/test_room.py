@@ -23,7 +23,6 @@ def test_a_machine_serves_what_its_processors_and_its_memory_bear(
     assert usual_room() == pages
 
 
-def test_a_full_room_says_for_how_many_it_is():
+def test_a_room_is_full_when_all_its_places_are_taken():
     assert not Room(3, taken=2).is_full
     assert Room(3, taken=3).is_full
-    assert "It shows 3 pages at once" in Room(3).page

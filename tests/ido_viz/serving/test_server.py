@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import os
 import socket
@@ -9,6 +10,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from urllib.parse import quote
 
@@ -24,6 +26,7 @@ from websockets.sync.connection import Connection
 from ido_viz.app import App
 from ido_viz.core.state import State, encode
 from ido_viz.serving import server as serving
+from ido_viz.serving import values
 from ido_viz.serving.guests import Guests
 from ido_viz.serving.listening import listen
 from ido_viz.serving.room import Room
@@ -158,6 +161,7 @@ def test_the_page_is_the_same_packed_or_not_and_has_our_script_before_viser_s(ap
     with urllib.request.urlopen(packed, timeout=10) as answer:
         assert answer.headers["Content-Encoding"] == "gzip"
     assert 0 < plain.index(b"hashchange") < plain.index(b"<script data-p")
+    assert plain.index(b"<body>") < plain.index(b'id="ido-splash"') < plain.index(b'<div id="root">')
     with pytest.raises(urllib.error.HTTPError, match="404"):
         urllib.request.urlopen(f"{app.url}/../secrets", timeout=10)
 
@@ -250,3 +254,89 @@ def test_a_viser_that_serves_in_another_way_is_not_let_run_without_our_door(monk
     with listen("127.0.0.1", 0) as listener, pytest.raises(RuntimeError, match="does not serve as it is known to"):
         serving.start(listener, Guests(), Room(1), "IDO Explorer")
     assert stopped == [True]
+
+
+# Threads
+
+
+def test_whoever_waits_for_a_page_is_woken_on_the_loop_s_thread_alone(app: App):
+    """An event of asyncio's own walks through those who wait on any thread, while the loop changes who they are."""
+    with browser(app) as connection:
+        send(connection, **CAMERA)
+        wait("a session", lambda: app.n_sessions == 1)
+        (client,) = app.server.get_clients().values()
+        buffer = client._websock_connection.get_message_buffer()
+    kind: Any = type(buffer.message_event)
+    assert buffer.message_event.loop is buffer.event_loop  # type: ignore[attr-defined]
+
+    async def seen() -> list[tuple[bool, bool]]:
+        event = kind()
+        event.loop = asyncio.get_running_loop()
+        waiting = asyncio.ensure_future(event.wait())
+        await asyncio.sleep(0)
+        stages = []
+        for set_it in (lambda: asyncio.to_thread(event.set), lambda: asyncio.sleep(0, event.set())):
+            await set_it()
+            await asyncio.sleep(0.05)
+            stages.append((event.is_set(), waiting.done()))
+        return stages
+
+    with ThreadPoolExecutor() as thread:  # this one may have a loop already
+        assert thread.submit(asyncio.run, seen()).result() == [(True, False), (True, True)]
+
+
+# Numbers that are typed
+
+
+class Typed:
+    """A slider of a page, what a browser writes into it, and what it is told."""
+
+    def __init__(self, app: App, connection: Any, label: str, monkeypatch: pytest.MonkeyPatch) -> None:
+        send(connection, **CAMERA)
+        wait("a session", lambda: app.n_sessions == 1)
+        (client,) = app.server.get_clients().values()
+        widgets: dict[str, Any] = client.gui._gui_input_handle_from_uuid
+        wait("the slider", lambda: any(each.label == label for each in list(widgets.values())))
+        self.widget = next(each for each in list(widgets.values()) if each.label == label)
+        self._connection, self._uuid = connection, self.widget._impl.uuid
+        self._told: list[Any] = []
+        interface = client.gui._websock_interface
+        queue = interface.queue_message
+        monkeypatch.setattr(interface, "queue_message", lambda message: (self._told.append(message), queue(message)))
+
+    def write(self, *values: float) -> None:
+        for value in values:
+            send(self._connection, type="GuiUpdateMessage", uuid=self._uuid, updates={"value": value})
+
+    @property
+    def answers(self) -> list[float]:
+        return [each.updates["value"] for each in list(self._told) if getattr(each, "uuid", "") == self._uuid]
+
+    @property
+    def complaints(self) -> list[str]:
+        return [each.props.body for each in list(self._told) if type(each).__name__ == "NotificationShowMessage"]
+
+
+def test_a_number_is_told_once_more_when_its_widget_is_at_rest(app: App, monkeypatch: pytest.MonkeyPatch):
+    """What the server wrote at the same time would stand in the browser's field for good."""
+    monkeypatch.setattr(values, "AT_REST", 0.2)
+    with browser(app) as connection:
+        noise = Typed(app, connection, "Noise", monkeypatch)
+        noise.write(0.06, 0.07)
+        wait("the last value, once more", lambda: noise.answers == [0.06, 0.07, 0.07])  # viser passes each on to others
+
+
+def test_a_number_that_is_still_typed_is_neither_answered_nor_complained_about(
+    app: App, monkeypatch: pytest.MonkeyPatch
+):
+    """The 2 of 2000 is no number of points yet."""
+    monkeypatch.setattr(values, "AT_REST", 0.5)
+    with browser(app) as connection:
+        points = Typed(app, connection, "Points", monkeypatch)
+        points.write(2, 20, 200, 2000)
+        wait("the number at rest", lambda: points.answers == [200, 2000, 2000])
+        assert points.complaints == [] and points.widget.value == 2000
+        points.write(2)
+        wait("what is wrong", lambda: points.complaints != [])
+        assert points.complaints == ["Points: 2 is too small; it can be 100 at least."]
+        assert points.answers[-1] == points.widget.value == 2000

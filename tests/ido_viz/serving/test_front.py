@@ -1,0 +1,200 @@
+"""One address for several servers: who is brought to which, and that what passes is not changed."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import random
+from collections.abc import Awaitable, Callable
+
+import pytest
+from headless import run
+
+from ido_viz.serving import front as front_module
+from ido_viz.serving.front import Front
+from ido_viz.serving.listening import listen
+
+PATIENCE = 20.0  # seconds; only a failing test waits that long
+SHARE = 3
+
+
+class Place:
+    """A front with servers that say which of them they are, and then send back what they are sent."""
+
+    def __init__(self) -> None:
+        self.listener = listen("127.0.0.1", 0)
+        self.port = self.listener.getsockname()[1]
+        self.front = Front(2, SHARE)
+        self.servers: dict[int, asyncio.Server] = {}
+        self.heads: list[bytes] = []
+
+    async def start(self, number: int) -> None:
+        async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            self.heads.append(await reader.readuntil(b"\r\n\r\n"))
+            writer.write(f"{number}\n".encode())
+            while chunk := await reader.read(1 << 16):
+                writer.write(chunk)
+                await writer.drain()
+            writer.close()
+
+        server = self.servers[number] = await asyncio.start_server(answer, "127.0.0.1", 0)
+        self.front.stands(number, server.sockets[0].getsockname()[1])
+
+
+class Visitor:
+    """A connection to a front."""
+
+    def __init__(self, place: Place) -> None:
+        self.place = place
+
+    async def ask(self, target: str = "/", *, page: bool = True) -> Visitor:
+        """Connect and say what is wanted."""
+        self.reader, self.writer = await asyncio.open_connection("127.0.0.1", self.place.port)
+        upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\n" if page else ""
+        self.writer.write(f"GET {target} HTTP/1.1\r\nHost: here\r\n{upgrade}\r\n".encode())
+        return self
+
+    async def server(self) -> int:
+        """Which server answered."""
+        return int(await asyncio.wait_for(self.reader.readline(), PATIENCE))
+
+    async def leave(self) -> None:
+        self.writer.close()
+        while sum(self.place.front._pages) and await self.reader.read(1 << 16):
+            pass
+        await asyncio.sleep(0.05)  # the front has seen it, too
+
+
+def visit(steps: Callable[[Place], Awaitable[None]], *standing: int) -> None:
+    """Take steps at a front with some of its servers."""
+
+    async def all_steps() -> None:
+        place = Place()
+        serving = asyncio.create_task(place.front.serve(place.listener))
+        for number in standing:
+            await place.start(number)
+        try:
+            await steps(place)
+        finally:
+            serving.cancel()
+            for server in place.servers.values():
+                server.close()
+
+    run(all_steps())
+
+
+def test_pages_are_shared_out_and_one_that_comes_back_finds_its_server():
+    async def steps(place: Place) -> None:
+        pages = [await Visitor(place).ask(f"/?token=x&page=page-{number}&fragment=y") for number in range(4)]
+        its = [await page.server() for page in pages]
+        assert sorted(its) == [0, 0, 1, 1]
+        for page in pages:
+            await page.leave()
+        for number in (3, 1, 0, 2):  # whatever the order, and although all have room
+            page = await Visitor(place).ask(f"/?page=page-{number}")
+            assert await page.server() == its[number]
+            await page.leave()
+
+    visit(steps, 0, 1)
+
+
+def test_a_class_that_comes_at_once_is_shared_out():
+    async def steps(place: Place) -> None:
+        pages = await asyncio.gather(*(Visitor(place).ask(f"/?page={number}") for number in range(2 * SHARE)))
+        its = await asyncio.gather(*(page.server() for page in pages))
+        assert sorted(its) == [0] * SHARE + [1] * SHARE
+
+    visit(steps, 0, 1)
+
+
+def test_what_passes_is_not_changed_either_way():
+    async def steps(place: Place) -> None:
+        visitor = await Visitor(place).ask("/some/path?page=%C3%A4&x=%0d%0a")
+        await visitor.server()
+        assert place.heads == [
+            b"GET /some/path?page=%C3%A4&x=%0d%0a HTTP/1.1\r\n"
+            b"Host: here\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n"
+        ]
+        sent = random.Random(1).randbytes(3_000_000)
+        visitor.writer.write(sent)
+        back = await asyncio.wait_for(visitor.reader.readexactly(len(sent)), PATIENCE)
+        assert hashlib.sha256(back).digest() == hashlib.sha256(sent).digest()
+        await visitor.leave()
+
+    visit(steps, 0, 1)
+
+
+def test_who_only_reads_a_file_takes_no_place_of_a_page():
+    async def steps(place: Place) -> None:
+        readers = [await Visitor(place).ask(page=False) for _ in range(4)]
+        for reader in readers:
+            await reader.server()
+        assert place.front._pages == [0, 0]
+        pages = [await Visitor(place).ask() for _ in range(2)]
+        assert sorted([await page.server() for page in pages]) == [0, 1]
+
+    visit(steps, 0, 1)
+
+
+def test_a_page_whose_server_is_full_or_gone_finds_another():
+    async def steps(place: Place) -> None:
+        first = await Visitor(place).ask("/?page=first")
+        home = await first.server()
+        await first.leave()
+        others: list[Visitor] = []
+        while place.front._pages[home] < SHARE:
+            others.append(await Visitor(place).ask())
+            await others[-1].server()
+        again = await Visitor(place).ask("/?page=first")
+        assert await again.server() == 1 - home
+        for other in (again, *others):
+            await other.leave()
+        place.servers[1 - home].close()  # the front has not been told
+        again = await Visitor(place).ask("/?page=first")
+        assert await again.server() == home
+
+    visit(steps, 0, 1)
+
+
+def test_who_comes_before_any_server_stands_waits_for_one():
+    async def steps(place: Place) -> None:
+        early = await Visitor(place).ask()
+        answer = asyncio.create_task(early.server())
+        await asyncio.sleep(0.1)
+        assert not answer.done()
+        await place.start(1)
+        assert await answer == 1
+
+    visit(steps)
+
+
+@pytest.mark.parametrize(
+    "sent", [b"", b"GET / HTTP/1.1\r\n", b"x" * 200_000, b"\r\n\r\n", b"GET http://[ HTTP/1.1\r\n\r\n"]
+)
+def test_nonsense_and_silence_end_alone(monkeypatch: pytest.MonkeyPatch, sent: bytes):
+    monkeypatch.setattr(front_module, "_LONGEST_WAIT", 0.3)
+
+    async def steps(place: Place) -> None:
+        reader, writer = await asyncio.open_connection("127.0.0.1", place.port)
+        writer.write(sent)
+        if b"\r\n\r\n" in sent:  # a server's affair
+            assert await asyncio.wait_for(reader.readline(), PATIENCE) in (b"0\n", b"1\n")
+        else:
+            with pytest.raises((asyncio.IncompleteReadError, ConnectionError)):
+                await asyncio.wait_for(reader.readexactly(1), PATIENCE)
+        good = await Visitor(place).ask()
+        assert await good.server() in (0, 1)
+
+    visit(steps, 0, 1)
+
+
+def test_names_are_forgotten_before_they_fill_the_memory(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(front_module, "_MOST_NAMES", 5)
+
+    async def steps(place: Place) -> None:
+        for number in range(20):
+            page = await Visitor(place).ask(f"/?page={number}", page=False)
+            await page.server()
+        assert list(place.front._homes) == [str(number) for number in range(15, 20)]
+
+    visit(steps, 0, 1)
