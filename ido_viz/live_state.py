@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 
 import viser
 
@@ -17,7 +18,7 @@ from ido_viz.core.history import History
 from ido_viz.core.library import Library
 from ido_viz.core.live_run import LiveRun
 from ido_viz.core.run import Run, scene_inputs
-from ido_viz.core.state import State, StateError
+from ido_viz.core.state import NO_POINT, State, StateError
 from ido_viz.page import Page
 
 AFTER_A_CHANGE = 0.7
@@ -44,6 +45,8 @@ class LiveState:
         self._comparison = Comparison(library, self._wake)
         self._basin = Basin(library, self._wake)
         self._history = History(state)
+        self._gesture = 0  # number of what the hand does
+        self._lent = NO_POINT  # the model point that the slow motion has chosen, for nobody had
         self._arrive(client, state, address)
 
     def _arrive(self, client: viser.ClientHandle, state: State, address: str) -> None:
@@ -57,6 +60,7 @@ class LiveState:
         self._page: Page | None = None  # built by the thread
         self._drawn: Frame | None = None
         self._clock = Clock(max(state.iteration, 0))
+        self._is_seen = False  # whether the page has told that it can be seen
         self._first_look = False  # whether a page that plays has yet to be seen
         self._in_hand = False  # whether what is waited for is the end of a change
         self._hand = Hand()
@@ -65,7 +69,7 @@ class LiveState:
         self, change: Callable[[State], State], *, show: bool = False, replays_after: float | None = None
     ) -> None:
         with self._awake:
-            if self._read_controls:  # what was asked before comes first
+            if show or self._read_controls:  # what was asked before comes first, and must not be written over
                 self._read()
             try:
                 self._state = change(self._state)
@@ -90,10 +94,10 @@ class LiveState:
             self._dirty = True
             self._awake.notify()
 
-    def _read(self) -> bool:
-        """Take over the controls' values; whether the controls must be shown what became of them."""
+    def _read(self) -> None:
+        """Take over the controls' values, and show at once what became of them: later, they may have others."""
         if self._page is None:  # still being built
-            return False
+            return
         self._read_controls = False
         before = self._state
         self._state, usable = self._page.read(before)
@@ -101,17 +105,20 @@ class LiveState:
             self._state = self._library.at_shape(self._state, self._state.shape)
         if self._state.replay and scene_inputs(self._state) != scene_inputs(before):
             self._replay(AFTER_A_CHANGE)
-        return not usable or self._state.shape != before.shape
+        if not usable or self._state.shape != before.shape:
+            self._page.show(self._state)
 
-    def _leave_deleted(self) -> bool:
-        """Go to the first shape when the page's own was deleted, also when undo leads there; whether it was."""
+    def _leave_deleted(self) -> None:
+        """Go to the first shape when the page's own was deleted, also when undo leads there."""
         gone = self._state.shape
         if gone in self._library.subjects:
-            return False
+            return
         first = next(iter(self._library.subjects))
         self._state = self._library.at_shape(self._state, first)
+        self._history = replace(self._history, now=self._state)  # no change to take back, or undo would end here
         self._tell("This cloud is gone", f"{gone} is not kept on this server any more; the page shows {first}.")
-        return True
+        if self._page is not None:
+            self._page.show(self._state)
 
     def _replay(self, wait: float) -> None:
         """Show the start, and play after so many seconds without another change; called with the lock held."""

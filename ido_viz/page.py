@@ -24,13 +24,14 @@ from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
 from ido_viz.panels.controls import Controls
 from ido_viz.panels.errors_tab import ErrorsTab
-from ido_viz.panels.from_browser import OPEN_TABS, unseen_field
+from ido_viz.panels.from_browser import GESTURE, OPEN_TABS, unseen_field
 from ido_viz.panels.help_tab import HelpTab
 from ido_viz.panels.histograms_tab import HistogramsTab
 from ido_viz.panels.in_browser import open_tab, tabs_before
 from ido_viz.panels.inside_panel import InsidePanel
 from ido_viz.panels.inspect_tab import InspectTab
 from ido_viz.panels.maps_tab import MapsTab
+from ido_viz.panels.markup import caption
 from ido_viz.panels.picking import add_picking
 from ido_viz.panels.placing import Placing
 from ido_viz.panels.sweeps_tab import SweepsTab
@@ -41,6 +42,8 @@ from ido_viz.teach.preset_folder import PresetFolder
 
 _FIRST_OPEN = frozenset({"Histograms", "Maps"})
 """Tabs of charts that are open in a page that has not told yet."""
+
+_UNTOLD = caption("The scores are hidden for this class. <i>Show all parts</i>, in the menu of commands, shows them.")
 
 _BRAND = ((0, 114, 178), (0, 136, 208))  # of a light and of a dark page, for text on it must be readable
 
@@ -97,13 +100,14 @@ class Page:
         with lower.add_tab("Maps"):
             self._maps = MapsTab(gui)
         telling: list[viser.GuiFolderHandle] = []  # what tells the scores
-        with lower.add_tab("Errors"), _kept(telling, gui):
+        self._untold: list[viser.GuiHtmlHandle] = []  # what stands there while they are hidden
+        with lower.add_tab("Errors"), self._kept(telling):
             self._errors = ErrorsTab(gui)
-        with lower.add_tab("Compare"), _kept(telling, gui):
+        with lower.add_tab("Compare"), self._kept(telling):
             self._compare = CompareTab(gui, actions)
-        with lower.add_tab("Basin"), _kept(telling, gui):
+        with lower.add_tab("Basin"), self._kept(telling):
             self._basin = BasinTab(gui, actions)
-        with lower.add_tab("Sweeps"), _kept(telling, gui):
+        with lower.add_tab("Sweeps"), self._kept(telling):
             self._sweeps = SweepsTab(gui, actions.open_scene, actions.redraw)
         with lower.add_tab("Inspect"):
             self._inspect = InspectTab(gui, state, actions.inspect)
@@ -111,8 +115,9 @@ class Page:
             self._lessons = LessonFolder(client, actions, self._sweeps.show_sweep, self._bring_tabs_back, state, step)
         add_picking(gui, lambda click: actions.pick(click.kind, click.pane, click.place))
         self._open = _FIRST_OPEN
-        self._redraw = actions.redraw
+        self._redraw, self._seen = actions.redraw, actions.seen
         unseen_field(gui, OPEN_TABS, self._tabs_opened)
+        unseen_field(gui, GESTURE, lambda text: actions.gesture(int(text) if text.isdecimal() and len(text) < 9 else 0))
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
         self._parts |= {
@@ -198,6 +203,7 @@ class Page:
 
     def _tabs_opened(self, names: str) -> None:
         self._open = frozenset(names.split(","))
+        self._seen()  # a page tells of its tabs once it can be seen
         self._redraw()
 
     def draw_inside(self, frame: Frame) -> None:
@@ -232,9 +238,12 @@ class Page:
             for handle in handles:
                 if handle.visible != (part not in state.hidden):
                     handle.visible = part not in state.hidden
+        for note in self._untold:
+            if note.visible != ("scores" in state.hidden):
+                note.visible = "scores" in state.hidden
 
-
-def _kept(folders: list[viser.GuiFolderHandle], gui: viser.GuiApi) -> viser.GuiFolderHandle:
-    """A nameless folder, kept in a list."""
-    folders.append(gui.add_folder(None))
-    return folders[-1]
+    def _kept(self, folders: list[viser.GuiFolderHandle]) -> viser.GuiFolderHandle:
+        """A nameless folder, kept in a list, below a note that stands there while it is hidden."""
+        self._untold.append(self._gui.add_html(_UNTOLD, visible=False))
+        folders.append(self._gui.add_folder(None))
+        return folders[-1]

@@ -71,6 +71,7 @@ class Requests(LiveState):
             pick=self._pick,
             clear=self._clear,
             grab=self._grab,
+            gesture=self._begin_gesture,
             look=self._look,
             look_inside=self._look_inside,
             to_beat=self._to_beat,
@@ -140,19 +141,19 @@ class Requests(LiveState):
         self._change(toggled)
 
     def _step(self, by: int) -> None:
-        self._change(lambda state: self._at(still(state), max(0, self._shown(state) + by)))
+        self._change(lambda state: self._at(self._outside(state), max(0, self._shown(state) + by)))
 
     def _jump(self, iteration: int) -> None:
-        self._change(lambda state: self._at(still(state), iteration))
+        self._change(lambda state: self._at(self._outside(state), iteration))
 
     def _look_inside(self) -> None:
         def toggled(state: State) -> State:
-            return still(state) if state.inside > 0 else self._inside(state, STEP, playing=True)
+            return self._outside(state) if state.inside > 0 else self._inside(state, STEP, playing=True)
 
         self._change(toggled)
 
     def _to_beat(self, beat: float) -> None:
-        self._change(lambda state: self._inside(state, beat, playing=False) if beat > 0 else still(state))
+        self._change(lambda state: self._inside(state, beat, playing=False) if beat > 0 else self._outside(state))
 
     def _inside(self, state: State, position: float, *, playing: bool) -> State:
         """The state in the slow motion of an iteration, of a method with maps and a model point of it."""
@@ -160,14 +161,21 @@ class Requests(LiveState):
         if inside is None:
             self._tell("There is nothing to look into", "Show a method that learns maps, such as DO or Improved DO.")
             return state
+        if state.inspected == NO_POINT:
+            self._lent = inside.inspected
         self._clock.start(inside.iteration)
         return inside
+
+    def _outside(self, state: State) -> State:
+        """The state out of the slow motion, without the model point that it has chosen itself."""
+        own, self._lent = self._lent, NO_POINT
+        return still(replace(state, inspected=NO_POINT) if state.inspected == own else state)
 
     def _seen(self) -> None:
         with self._awake:
             if self._first_look and self._clock.waits:  # nobody has stepped or changed anything yet
                 self._clock.start(0.0, FIRST_LOOK)
-            self._first_look = False
+            self._first_look, self._is_seen = False, True
         self._wake()
 
     # The 3D view, and what is looked into
@@ -183,6 +191,9 @@ class Requests(LiveState):
             wait = AFTER_LETTING_GO if phase == "end" else IN_HAND
             at_start = {"iteration": 0, "playing": False, "inside": 0.0}  # where it is in the hand
             self._change(lambda state: replace(state, start=start, **at_start), show=True, replays_after=wait)
+
+    def _begin_gesture(self, number: int) -> None:
+        self._gesture = number
 
     def _click(self, origin: FloatArray, direction: FloatArray) -> None:
         run = self._run
@@ -209,8 +220,7 @@ class Requests(LiveState):
             self._change(lambda state: replace(state, inspected=NO_POINT, scene_point=NO_POINT))
 
     def _inspect(self, changes: dict[str, Any]) -> None:
-        changes = within_run(changes, self._run)
-        self._change(lambda state: replace(state, **changes))
+        self._change(lambda state: replace(state, **within_run(changes, state, self._run)))
 
     def _open_inspect(self) -> None:
         if self._page is not None:
@@ -219,21 +229,22 @@ class Requests(LiveState):
     # Whole pages
 
     def _undo(self) -> None:
-        self._go_to(History.undone)
+        self._go_to(History.undone, "There is nothing to undo", "What you change on this page can be taken back here.")
 
     def _redo(self) -> None:
-        self._go_to(History.redone)
+        self._go_to(History.redone, "There is nothing to redo", "What is taken back with Undo can be done again here.")
 
-    def _go_to(self, there: Callable[[History], History]) -> None:
+    def _go_to(self, there: Callable[[History], History], nowhere: str, why: str) -> None:
         def gone(state: State) -> State:
-            self._history = there(self._history.with_state(state, time.perf_counter()))
+            here = self._history.with_state(state, time.perf_counter(), self._gesture)
+            self._history = there(here)
+            if self._history is here:
+                self._client.add_notification(nowhere, why, auto_close_seconds=4.0)
             return self._history.now
 
         self._change(gone, show=True)
 
     def _apply_code(self, code: str) -> None:
-        if not code.strip():  # cleared, to paste another
-            return
         try:
             state = self._library.checked(decode(code))
         except StateError as error:
@@ -266,4 +277,6 @@ class Requests(LiveState):
         if self._page is not None:
             link = self._link()
             self._page.copy(link)
-            self._client.add_notification("Link copied", link, auto_close_seconds=8.0)
+            self._client.add_notification(
+                "Link copied", "Opened in a browser, it shows this page.", auto_close_seconds=4.0
+            )

@@ -29,12 +29,12 @@ from ido_viz.core.state import (
 from ido_viz.core.turns import Turns
 from ido_viz.own.workshop import Workshop
 from ido_viz.page import Page
-from ido_viz.requests import Requests
+from ido_viz.requests import FIRST_LOOK, Requests
 
 _TURNS = Turns(os.cpu_count() or 1)
 """Pages are drawn so many at once: more would take the processors from each other, and all be later."""
 
-UNSEEN = 10.0
+UNSEEN = 20.0
 """Seconds after which it plays even if the page never told that it shows anything."""
 
 _log = logging.getLogger(__name__)
@@ -139,9 +139,9 @@ class Session(Requests):
                     with self._awake:
                         if self._closed:
                             return
-                        state, share, show, asked = self._take()
+                        state, share, asked = self._take()
                     page.share(state)  # before what may take long to compute
-                    self._frame(page, state, share, show, asked)
+                    self._frame(page, state, share, asked)
             except StateError as error:
                 self._fail("This cannot be shown", str(error))
             except Exception as error:  # the page must outlive whatever goes wrong in one frame
@@ -153,22 +153,22 @@ class Session(Requests):
         reason = f"{type(error).__name__}: {error}"
         self._client.gui.reset()
         self._client.gui.add_html(
-            '<div style="margin:8px;font-size:0.875rem"><b>This page cannot be shown.</b><br>'
+            '<div data-no-page style="margin:8px;font-size:0.875rem"><b>This page cannot be shown.</b><br>'
             f"{html.escape(reason)}<br>Start the explorer without a code, or with another one.</div>"
         )
         self._tell("This page cannot be shown", reason)
 
-    def _take(self) -> tuple[State, float, bool, bool]:
+    def _take(self) -> tuple[State, float, bool]:
         """The newest state, with the controls read and the playing moved on; called with the lock held.
 
-        Also the share of the way to the next iteration, whether the controls must be shown, and whether anything but
-        the playing asks for a frame.
+        Also the share of the way to the next iteration, and whether anything but the playing asks for a frame.
         """
         asked, self._dirty = self._dirty, False
         share = 0.0
-        gone = self._leave_deleted()
-        show = self._read() if self._read_controls else False
-        show, state = show or gone, self._state
+        self._leave_deleted()
+        if self._read_controls:
+            self._read()
+        state = self._state
         if state.playing and state.inside > 0:
             beats = self._clock.passed() / BEAT_SECONDS * state.speed / NORMAL_SPEED
             inside = min(state.inside + beats, float(BEATS))
@@ -177,13 +177,13 @@ class Session(Requests):
             self._clock.tick(state.speed, moves=not self._live.waiting)  # both panes set out together
             state = self._at(state, int(self._clock.position))
             share = self._clock.position % 1.0
-            if state.iteration == LAST or self._run.iterations == 0:
+            if state.iteration == LAST or (self._run.iterations == 0 and not self._live.waiting):
                 state = replace(state, playing=False)
         self._state = state
-        self._history = self._history.with_state(state, time.perf_counter())
-        return state, share, show, asked
+        self._history = self._history.with_state(state, time.perf_counter(), self._gesture)
+        return state, share, asked
 
-    def _frame(self, page: Page, state: State, share: float, show: bool, asked: bool) -> None:
+    def _frame(self, page: Page, state: State, share: float, asked: bool) -> None:
         first = self._run is None
         begun = self._live.begin(state)
         with self._awake:
@@ -195,8 +195,8 @@ class Session(Requests):
             self._run = run
             self._clock.follow(run)
             if first and begun and state.playing and state.iteration == 0:
-                self._clock.start(0.0, UNSEEN)
-                self._first_look = True
+                self._clock.start(0.0, FIRST_LOOK if self._is_seen else UNSEEN)
+                self._first_look = not self._is_seen
         held = self._in_hand and state.playing and self._clock.waits
         drawn = self._drawn
         if drawn and not asked and drawn.run is run and replace(drawn.state, camera=state.camera) == state:
@@ -217,8 +217,6 @@ class Session(Requests):
             self._drawn = frame
             if not self._dirty:  # the slider may have been dragged on meanwhile
                 page.show_iteration(frame)
-            if show:
-                page.show(state)
 
     def _fail(self, title: str, body: str) -> None:
         with self._awake:

@@ -31,19 +31,16 @@ class Camera:
     Args:
         camera: of the page.
         moved: called with these numbers when a person has moved it.
-        arrived: called once, when the page first shows what it was sent.
     """
 
-    def __init__(
-        self, camera: viser.CameraHandle, moved: Callable[[tuple[float, ...]], None], arrived: Callable[[], None]
-    ) -> None:
+    def __init__(self, camera: viser.CameraHandle, moved: Callable[[tuple[float, ...]], None]) -> None:
         self._camera = camera
         self._moved = moved
         self._aspect = 0.0  # of the window that it was placed for
         self._placed: tuple[float, ...] = NO_CAMERA
         self._lifted = False
         self._awaited_until = 0.0  # until the page has the place that was sent, it tells of others on the way
-        self._arrived: Callable[[], None] | None = arrived
+        self._settling = False  # whether a callback waits for what else comes
         self._lock = threading.Lock()  # the camera's callbacks overtake each other
         camera.on_update(lambda _: self._on_update())
 
@@ -75,7 +72,13 @@ class Camera:
     def _on_update(self) -> None:
         place = self._elsewhere()
         if place is not None:
+            with self._lock:
+                if self._settling:  # one is enough, and the threads are those of everybody's buttons
+                    return
+                self._settling = True
             time.sleep(_SETTLING)  # position and direction come one after the other: either may have been the older
+            with self._lock:
+                self._settling = False
             place = self._elsewhere()
         if place is not None:
             place = NO_CAMERA if np.allclose(place, _FITTED, atol=_SAME) else place
@@ -85,7 +88,6 @@ class Camera:
 
     def _elsewhere(self) -> tuple[float, ...] | None:
         """From where a person looks, if it is not the place that was sent."""
-        arrived = None
         with self._lock:
             if not self._aspect:
                 return None
@@ -97,9 +99,6 @@ class Camera:
             awaited = time.perf_counter() < self._awaited_until
             if is_there:
                 self._awaited_until = 0.0
-                arrived, self._arrived = self._arrived, None
-        if arrived is not None:
-            arrived()
         return None if is_there or awaited else place
 
     def _place(self) -> None:

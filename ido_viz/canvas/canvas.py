@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import viser
@@ -30,18 +30,24 @@ class Canvas:
 
     def __init__(self, client: viser.ClientHandle, actions: Actions) -> None:
         scene = client.scene
-        scene.on_click()(lambda event: actions.click(np.array(event.ray_origin), np.array(event.ray_direction)))
+        self._shown, self._actions = True, actions
+        scene.on_click()(self._clicked)
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)  # reflections and shadows show nothing here, and halve the frames
         scene.configure_default_lights(cast_shadow=False)
         scene.add_light_ambient("/ambient", intensity=0.4)
         self._panes = [PaneView(scene, pane, partial(actions.grab, pane)) for pane in range(2)]
-        self._camera = Camera(client.camera, actions.look, actions.seen)
+        self._camera = Camera(client.camera, actions.look)
 
     def show(self, shown: bool) -> None:
         """Show both panes, or nothing."""
+        self._shown = shown
         for pane in self._panes:
             pane.show(shown)
+
+    def _clicked(self, event: Any) -> None:
+        if self._shown:  # what cannot be seen is not picked
+            self._actions.click(np.array(event.ray_origin), np.array(event.ray_direction))
 
     def draw(self, frame: Frame, *, lifted: bool = False) -> None:
         """Draw both panes, lifted where something stands below them; the first time, seen from where the state says."""

@@ -20,7 +20,14 @@ class Diagram:
         self._shown: tuple[object, ...] | None = None
 
     def draw(
-        self, model: Model, point: int | None, question: Question | None, color: Color, partner: FloatArray | None
+        self,
+        model: Model,
+        point: int | None,
+        question: Question | None,
+        color: Color,
+        partner: FloatArray | None,
+        *,
+        named: bool = False,
     ) -> None:
         """Draw the diagram of a model point and one of its questions; nothing for no point.
 
@@ -30,17 +37,33 @@ class Diagram:
             question: one of its questions; the point alone for None.
             color: of the question.
             partner: the one scene point that it is asked about, in the model's frame, shape (3,).
+            named: whether the point's number stands above it.
         """
-        look = (model, point, question, color, None if partner is None else partner.tobytes())
+        look = (model, point, question, color, None if partner is None else partner.tobytes(), named)
         if look == self._shown:
             return
-        self._shown = look
+        self._shown = None  # should it fail
         self._scene.remove_by_name(self._root)
-        if point is None:
-            return
+        if point is not None:
+            self._make(model, point, question, color, partner, named=named)
+        self._shown = look
+
+    def _make(
+        self,
+        model: Model,
+        point: int,
+        question: Question | None,
+        color: Color,
+        partner: FloatArray | None,
+        *,
+        named: bool,
+    ) -> None:
         m, n = model.points[point].astype(np.float64), model.normals[point].astype(np.float64)
         self._scene.add_frame(self._root, show_axes=False)
         self._scene.add_icosphere(f"{self._root}/point", radius=0.045, color=palette.MARK, position=m)
+        if named:
+            words = f"model point {point}"
+            self._scene.add_label(f"{self._root}/name", words, position=m, anchor="bottom-left")
         if question is not None:
             surface = question.surface(m, n)
             self._mesh(surface.vertices, surface.faces, color)

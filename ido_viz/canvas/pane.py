@@ -22,7 +22,7 @@ from ido_viz.core.inside import Inside
 from ido_viz.core.inspection import Inspection
 from ido_viz.core.palette import Color
 from ido_viz.core.run import MethodRun
-from ido_viz.core.state import BEATS
+from ido_viz.core.state import BEATS, NO_POINT
 from ido_viz.core.wording import progress_line
 
 PANE_OFFSETS = (-1.17, 1.17)
@@ -105,10 +105,10 @@ class PaneView:
         self._root.visible = shown
 
     def draw(self, frame: Frame) -> None:
-        """Draw the pane's side of a frame, and what is looked into if it is this side."""
+        """Draw the pane's side of a frame, and what is looked into; of the other side, the picked point alone."""
         run, state, side = frame.run, frame.state, frame.sides[self._pane]
         inside = frame.inside if side is frame.inspected else None
-        inspection = side.inspection if side is frame.inspected and (inside is None or inside.beat <= 2) else None
+        inspection = side.inspection if side is frame.inspected and (inside is None or inside.asks) else None
         if run.subject.up != self._up:
             self._root.wxyz = quaternion(upright(run.subject.up))
             self._up = run.subject.up
@@ -131,7 +131,9 @@ class PaneView:
             self._overlay.draw(self._true_points, side.overlay.T_model_scene, side.overlay.color)
         self._race.draw(run.scene, side, run.subject.up, state.dark)
         if self._handles is not None:
-            self._handles.draw(run.scene, side.T_model_scene, shown=state.handles)
+            self._handles.draw(
+                run.scene, side.T_model_scene, shown=state.handles and frame.inside is None
+            )  # or they hide the point that is asked
         if self._label is not None:
             self._label.font_screen_scale = 1.3 if state.large_text else 1.0
             self._label.text = _title(side, with_scores="scores" not in state.hidden)
@@ -179,16 +181,19 @@ class PaneView:
         """Colour the scene by what has arrived, or by the inspected point's answers, with the surface between them."""
         point = one = partner = question = None
         color, dark, is_outlier = palette.GUIDE, frame.state.dark, frame.run.scene.is_outlier
-        if inside is not None and inside.beat <= 2:
+        if inside is not None and inside.asks:
             point, question = inside.point, inside.question
             color = question_color(side.run, question)
         elif inspection is not None:
             point, one, question = inspection.point, inspection.scene_point, inspection.question
             partner = None if one is None else inspection.moved[one]
             color = color if question is None else question_color(side.run, question)
-        self._diagram.draw(side.run.histogram.model, point, question, color, partner)
+        elif side.marked != NO_POINT:
+            point = frame.picked
+        named = inside is not None and point is not None
+        self._diagram.draw(side.run.histogram.model, point, question, color, partner, named=named)
         answers = None if inspection is None else inspection.answers
-        if inside is not None and inside.beat <= 2:
+        if inside is not None and inside.asks:
             answers = inside.asked
         if answers is not None:
             first, counts = answers

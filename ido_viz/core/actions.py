@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,16 +49,31 @@ class Actions:
     clear: Callable[[], None]
     grab: Callable[[int, str, FloatArray], None]
     """Called with a pane's number, the phase of a gesture (start, update, end) and where its handles are, (4, 4)."""
+    gesture: Callable[[int], None]
+    """Called with a new number when a hand begins to do something: a button or key goes down."""
     look: Callable[[tuple[float, ...]], None]
     """Called with where a person looks from, as the state's camera has it."""
     seen: Callable[[], None]
-    """Called when the page first shows what it was sent."""
+    """Called when the page can be seen."""
     reset_view: Callable[[], None]
     undo: Callable[[], None]
     redo: Callable[[], None]
     redraw: Callable[[], None]
     shown: Callable[[], Frame | None]
     """Gives the frame that the page shows; None before there is one."""
+
+
+def at_once(act: Callable[[Any], None]) -> Callable[[Any], Coroutine[Any, Any, None]]:
+    """An event callback with the value that a browser sent, in the moment when it comes, on the server's own thread.
+
+    On another one it may find what the page has written there since.
+    """
+
+    async def told(event: Any) -> None:
+        if event.client is not None:
+            act(event.target.value)
+
+    return told
 
 
 def plain(act: Callable[[], None]) -> Callable[[Any], None]:

@@ -12,7 +12,7 @@ from ido_viz.core.frame import SideFrame, shown_iteration
 from ido_viz.core.inside import STEP, strongest_point
 from ido_viz.core.inspection import inspect, inspected_number
 from ido_viz.core.library import Subject
-from ido_viz.core.run import Run
+from ido_viz.core.run import MethodRun, Run
 from ido_viz.core.state import BEATS, LAST, NO_POINT, NO_START, Pane, State
 
 
@@ -33,12 +33,17 @@ def at_iteration(state: State, iteration: int, length: int) -> State:
 
 
 def played(state: State, run: Run | None) -> State:
-    """Playing on: from the start once it is at its end, or the slow motion of an iteration, then of the next one."""
+    """Playing on: from the start once it is at its end, or the slow motion of an iteration, then of the next one.
+
+    After the slow motion of the last one it plays from the start.
+    """
     shown = 0 if run is None else shown_iteration(run, state)
     if 0 < state.inside < BEATS:
         return replace(state, playing=True)
-    if state.inside > 0:
+    if state.inside > 0 and run is not None and shown + 1 < _inspected(state, run).trajectory.iterations:
         return replace(state, playing=True, inside=STEP, iteration=shown + 1)
+    if state.inside > 0:
+        return replace(state, playing=True, inside=0.0, iteration=0)
     at_end = run is None or shown >= run.iterations
     return replace(state, playing=True, iteration=0 if at_end else shown)
 
@@ -100,12 +105,19 @@ def with_bin(state: State, side: SideFrame, kind: str, place: float) -> State:
     )
 
 
-def within_run(changes: Mapping[str, Any], run: Run | None) -> dict[str, Any]:
-    """Changes of the inspected points, brought into the range of a run's."""
+def within_run(changes: Mapping[str, Any], state: State, run: Run | None) -> dict[str, Any]:
+    """Changes of a state's inspected points, brought into the range of a run's."""
     if run is None:
         return dict(changes)
-    counts = {"inspected": len(run.sides[0].histogram.model.points), "scene_point": len(run.scene.points)}
+    pane: Pane = changes.get("inspected_pane", state.inspected_pane)
+    n_model = len(_inspected(replace(state, inspected_pane=pane), run).histogram.model.points)
+    counts = {"inspected": n_model, "scene_point": len(run.scene.points)}
     return {
         name: int(min(max(value or 0, NO_POINT), counts[name] - 1)) if name in counts else value
         for name, value in changes.items()
     }
+
+
+def _inspected(state: State, run: Run) -> MethodRun:
+    """The method that is looked into."""
+    return run.sides[inspected_number(state)]

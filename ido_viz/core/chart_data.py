@@ -30,7 +30,7 @@ def histogram_data(side: SideFrame, state: State) -> tuple[DoubleArray, ...]:
     n_model, n_blocks = len(run.histogram.model.points), len(reference)
     block_of = np.arange(values.size) * n_blocks // values.size
     separate = [np.where(block_of == b, values, np.nan) for b in range(n_blocks)]
-    marked = np.where(order % n_model == state.inspected, values, np.nan)
+    marked = np.where(order % n_model == side.marked, values, np.nan)
     line = (reference - base).reshape(-1)[order]
     columns = (np.arange(values.size), second, *separate, line, marked)
     return tuple(column.astype(np.float64) for column in columns)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ido import poses
+from ido import Question, poses
 from ido.bin_order import bin_order
 from ido.scores import registered
 from ido.types import BoolArray, FloatArray
@@ -14,7 +14,7 @@ from ido_viz.core.inside import Inside, inside_of
 from ido_viz.core.inspection import Inspection, inspect, inspected_number
 from ido_viz.core.overlay import Overlay, overlay_of
 from ido_viz.core.run import MethodRun, Run
-from ido_viz.core.state import BEATS, LAST, State
+from ido_viz.core.state import BEATS, LAST, NO_POINT, State
 from ido_viz.core.verdict import Verdict
 
 
@@ -32,6 +32,7 @@ class SideFrame:
         order: of the bins from left to right, shape (n_bins,).
         map_order: of the bins of maps that belong to several iterations, shape (n_bins,).
         shown_map: number, from 1, of the map that is shown; 0 where there is none.
+        marked: number of the model point that is looked into; `NO_POINT` for none, and where this method has others.
         inspection: what it sees and makes of it; None for a method without maps.
         overlay: what is laid over it; None for nothing.
         verdict: how it stands.
@@ -46,6 +47,7 @@ class SideFrame:
     order: np.ndarray
     map_order: np.ndarray
     shown_map: int
+    marked: int
     inspection: Inspection | None
     overlay: Overlay | None
     verdict: Verdict
@@ -101,6 +103,21 @@ class Frame:
         """The side that is looked into."""
         return self.sides[inspected_number(self.state)]
 
+    @property
+    def picked(self) -> int | None:
+        """The model point that is looked into; None for none, and in the slow motion."""
+        if self.inside is not None or self.inspected.inspection is None:
+            return None
+        return self.inspected.inspection.point
+
+    @property
+    def asked(self) -> tuple[int, Question] | None:
+        """The model point of the inspected side that colours its scene, and its question; None for none."""
+        if self.inside is not None:
+            return (self.inside.point, self.inside.question) if self.inside.asks else None
+        seen = self.inspected.inspection
+        return None if seen is None or seen.point is None or seen.question is None else (seen.point, seen.question)
+
 
 def frame_of(run: Run, state: State, *, held: bool = False) -> Frame:
     """The frame that a state shows of its run."""
@@ -140,10 +157,17 @@ def _side_frame(run: Run, state: State, iteration: int, pane: int) -> SideFrame:
         order=bin_order(side.histogram, state.order, contribution),
         map_order=bin_order(side.histogram, state.order),
         shown_map=_shown_map(side, state, iteration),
+        marked=_marked(run, state, side),
         inspection=inspection,
         overlay=overlay_of(run, state, iteration, pane),
         verdict=side.verdict(k),
     )
+
+
+def _marked(run: Run, state: State, side: MethodRun) -> int:
+    inspected = run.sides[inspected_number(state)]
+    same = np.array_equal(side.histogram.model.points, inspected.histogram.model.points)
+    return state.inspected if same else NO_POINT
 
 
 def _shown_map(side: MethodRun, state: State, iteration: int) -> int:

@@ -26,6 +26,7 @@ class History:
         after: what was taken back, the latest last.
         changed_at: when the present state came about, seconds.
         changed: what changed then.
+        gesture: number of what the hand did when it came about; 0 for not known.
     """
 
     now: State
@@ -33,15 +34,24 @@ class History:
     after: tuple[State, ...] = ()
     changed_at: float = -OF_ONE_HAND
     changed: frozenset[str] = frozenset()
+    gesture: int = 0
 
-    def with_state(self, state: State, at: float) -> History:
-        """With another present state; one that only plays or steps is no change to take back."""
+    def with_state(self, state: State, at: float, gesture: int = 0) -> History:
+        """With another present state; one that only plays or steps is no change to take back.
+
+        Args:
+            state: the present one.
+            at: when it came about, seconds.
+            gesture: number of what the hand does, from a button or key that goes down to the next; 0 for not known.
+                All that comes of one is one change, however long it takes.
+        """
         if _still(state) == _still(self.now):
             return self._seen_from(state)
         changed = _differences(self.now, state)
-        if self.before and at - self.changed_at < (OF_ONE_HAND if changed == self.changed else AT_ONCE):
-            return History(state, self.before, (), at, changed)
-        return History(state, (*self.before, self.now)[-LONGEST:], (), at, changed)
+        near = at - self.changed_at < (OF_ONE_HAND if changed == self.changed else AT_ONCE)
+        if self.before and (near or 0 < gesture == self.gesture):
+            return History(state, self.before, (), at, changed, gesture)
+        return History(state, (*self.before, self.now)[-LONGEST:], (), at, changed, gesture)
 
     def _seen_from(self, state: State) -> History:
         """With a present state that looks the same; what was seen from its old view is now seen from its new one."""
@@ -69,11 +79,11 @@ def _differences(one: State, other: State) -> frozenset[str]:
     pairs = ((one, other), (one.perturbation, other.perturbation))
     return frozenset(
         field.name for a, b in pairs for field in fields(a) if getattr(a, field.name) != getattr(b, field.name)
-    ) - {"iteration", "playing", "camera"}
+    ) - {"iteration", "playing", "inside", "camera"}
 
 
 def _still(state: State) -> State:
-    return replace(state, iteration=0, playing=False, camera=())
+    return replace(state, iteration=0, playing=False, inside=0.0, camera=())
 
 
 def _stopped(state: State) -> State:

@@ -51,6 +51,11 @@ class Inside:
         return min(int(self.position) + 1, BEATS)
 
     @property
+    def asks(self) -> bool:
+        """Whether the scene has the colours of the point's question: in the first two beats."""
+        return self.beat <= 2
+
+    @property
     def share(self) -> float:
         """How much of the beat has passed, 0 to 1; the first two thirds of it move, then it stands to be looked at."""
         return min((self.position - (self.beat - 1)) * 1.5, 1.0)

@@ -95,9 +95,10 @@ class LiveRun:
         self._changed()
 
     def close(self) -> None:
-        """Cancel what is under way and forget it."""
+        """Cancel what is under way and forget it; the same inputs are begun anew."""
         with self._lock:
             self._drop_jobs()
+            self._inputs = None
 
     def _job(self, entry: Entry, selection: Selection, state: State, scene: Scene) -> Job[MethodRun]:
         def work(report: Report) -> MethodRun:

@@ -14,14 +14,14 @@ from ido_viz.core.verdict import Verdict
 
 Color = tuple[int, int, int]
 
-_OF_OWN: tuple[Color, ...] = ((0, 128, 128), (140, 86, 75), (178, 24, 72), (110, 110, 20))
-"""For methods that are in no family: teal, brown, crimson, olive."""
+_OF_OWN: tuple[Color, ...] = ((0, 128, 128), (200, 0, 140), (178, 24, 72), (110, 110, 20))
+"""For methods that are in no family: teal, magenta, crimson, olive."""
 
 _VARIANTS = (0.0, -0.4, 0.4, -0.6)
 """How far the colours of a family's variants are moved towards white, or towards black."""
 
-_SPARE: tuple[Color, ...] = ((230, 159, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233))
-"""For blocks that bring no colour: orange, green, purple, sky blue, and again."""
+_SPARE: tuple[Color, ...] = ((230, 159, 0), (86, 180, 233), (204, 121, 167), (170, 120, 60))
+"""For blocks that bring no colour: orange, sky blue, purple, tan, and again."""
 
 MARK: Color = (240, 228, 66)
 """What a person has picked: yellow."""

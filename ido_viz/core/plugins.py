@@ -106,7 +106,16 @@ def own_of(found: OwnClass, cloud: Callable[[], Cloud], outlier_kind: OutlierKin
     """A method of one's own on a shape: made by its class, or, of a feature, trained quickly."""
     if isinstance(found, type) and issubclass(found, Histogram):
         return Own(partial(_trained, found, cloud, outlier_kind), found)
-    return Own(lambda report: found(cloud()))
+    return Own(lambda report: _made(found, cloud()))
+
+
+def _made(found: Callable[[Cloud], OwnMethod], cloud: Cloud) -> OwnMethod:
+    method: OwnMethod | None = found(cloud)
+    if method is None:
+        raise OwnError(
+            f"{getattr(found, '__name__', 'what makes the method')} returns nothing; it must return a method"
+        )
+    return method
 
 
 def _trained(found: type[Histogram], cloud: Callable[[], Cloud], outlier_kind: OutlierKind, report: Report) -> Learned:

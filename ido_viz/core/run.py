@@ -88,7 +88,7 @@ class MethodRun:
         if self.pending is not None:
             return self.pending
         if iteration < self.trajectory.iterations:
-            return Verdict.MOVING
+            return Verdict.MOVING if iteration else Verdict.STARTING
         return Verdict.at_the_end(float(self.scores.accuracy[-1]))
 
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from ido import Perturbation
-from ido.experiments import Results, level_scene
+from ido.experiments import LEVELS, Results, level_scene
 from ido.experiments.execution import MOST_SCENES, SEED
 from ido.methods import method_names
 from ido.results import ResultsError
 from ido.shipped import SHAPES, shipped_results
-from ido_viz.core.state import LAST, State
+from ido_viz.core.state import LAST, NO_START, State
 
 SCORES = {"PointAcc": "accuracy", "PointRMSE": "rmse"}
 GROUPS: dict[str, Callable[[str], bool]] = {
@@ -46,8 +46,10 @@ class Choice:
             perturbation=level_scene(base, self.sweep, self.level, self.trial, MOST_SCENES, SEED),
             left=next(method for method in others if method != self.method and method in method_names(self.shape)),
             right=self.method,
+            start=NO_START,
             iteration=LAST,
             playing=False,
+            inside=0.0,
         )
 
 
@@ -57,9 +59,11 @@ def rows_of(shape: str, sweep: str) -> tuple[Results, str]:
     if shape not in SHAPES:
         return none, "There are results of the shipped shapes only."
     try:
-        return shipped_results().where(dataset=shape, sweep=sweep).among(method=method_names(shape)), ""
+        rows = shipped_results().where(dataset=shape, sweep=sweep)
     except ResultsError as error:  # the rest of the page does without them
         return none, f"The results cannot be read: {error}"
+    names, counts = np.unique(rows.method, return_counts=True)
+    return rows.among(method=names[counts == len(LEVELS[sweep]) * MOST_SCENES].tolist()), ""
 
 
 def mean_scores(rows: Results, method: str, score: str, levels: Sequence[float]) -> np.ndarray:

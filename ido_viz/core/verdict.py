@@ -17,10 +17,16 @@ class Verdict(StrEnum):
     COMPUTING = "computing"
     CANCELLED = "cancelled"
     FAILED = "failed"
+    STARTING = "at its start"
     MOVING = "moving"
     IN_PLACE = "in place"
     NEARLY_IN_PLACE = "nearly in place"
     WRONG_POSE = "wrong pose"
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is not at its end yet."""
+        return self in (Verdict.STARTING, Verdict.MOVING)
 
     @property
     def foretold(self) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ido_viz.core.frame import SideFrame
 from ido_viz.core.state import State
-from ido_viz.core.verdict import Verdict
 
 _LONGEST_NAME = 40  # characters
 _SHORT_SIDES = {"clockwise": "clockw.", "anticlockwise": "anticl."}
@@ -36,7 +35,7 @@ def stop_line(side: SideFrame) -> str:
     """Why a method stopped; nothing of it before the end."""
     if side.run.waiting:
         return side.run.waiting
-    return str(side.verdict if side.verdict is Verdict.MOVING else side.run.trajectory.stop)
+    return "not yet" if side.verdict.is_open else str(side.run.trajectory.stop)
 
 
 def one_line(name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 import tempfile
 import zlib
 from dataclasses import dataclass
@@ -165,3 +166,8 @@ def shown_name(text: str) -> str:
     """A name as a person may read it: printable, on one line, at most `LONGEST_NAME` letters; never empty."""
     printable = "".join(letter if letter.isprintable() else " " for letter in text)
     return " ".join(printable.split())[:LONGEST_NAME].strip() or "cloud"
+
+
+def file_name(name: str, ending: str) -> str:
+    """A name for a file about something, in letters that every system takes; the ending as it is."""
+    return f"ido-{re.sub(r'[^A-Za-z0-9]+', '-', shown_name(name)).strip('-') or 'cloud'}{ending}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import logging
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +12,7 @@ import viser
 from ido import CloudError, MapsError
 from ido.experiments import LEVELS
 from ido_viz.own.card import SCENES, Card
-from ido_viz.own.draft import shown_name
+from ido_viz.own.draft import file_name
 from ido_viz.own.shelf import ShelfError
 from ido_viz.own.workshop import Workshop
 from ido_viz.panels.markup import caption, table_html
@@ -53,17 +52,19 @@ class KeptFolder:
             lambda event: self._act(lambda: self._import(event.target.value.name, event.target.value.content))
         )
 
-    def refresh(self) -> None:
-        """Offer what is kept now, with the card of the chosen one."""
-        names = self._workshop.shelf.kept or (_NONE,)
-        if self._choice.options != names:
+    def refresh(self, shown: str = "") -> None:
+        """Offer what is kept now, with the card of the chosen one: the shape that the panes show, once it is kept."""
+        names, before = self._workshop.shelf.kept or (_NONE,), self._choice.options
+        if before != names:
             self._choice.options = names
+            if shown in names and shown not in before:
+                self._choice.value = shown
         self._ways.visible = names != (_NONE,)
         name = self._choice.value
         self._card.content = "" if name == _NONE else card_html(name, self._workshop.shelf.card(name))
 
     def choose(self, name: str) -> None:
-        """Choose a cloud, as the menu does."""
+        """Choose a cloud, as the menu does; what is not kept is not chosen."""
         self.refresh()
         if name in self._choice.options:
             self._choice.value = name
@@ -86,7 +87,9 @@ class KeptFolder:
     def _download(self) -> None:
         name = self._choice.value
         if name != _NONE:
-            self._client.send_file_download(file_name(name), self._workshop.given_away(name), save_immediately=True)
+            self._client.send_file_download(
+                file_name(name, ".npz"), self._workshop.given_away(name), save_immediately=True
+            )
 
     def _import(self, name: str, content: bytes) -> None:
         self.choose(self._workshop.take_in(name, content))
@@ -137,8 +140,3 @@ def card_html(name: str, card: Card | None) -> str:
         for method, rows in card.rows.items()
     ]
     return head + "".join(tables)
-
-
-def file_name(name: str) -> str:
-    """A name for the file of a cloud, in letters that every system takes."""
-    return f"ido-{re.sub(r'[^A-Za-z0-9]+', '-', shown_name(name)).strip('-') or 'cloud'}.npz"

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import viser
 
 from ido_viz.core.state import State
+from ido_viz.own.draft import Draft
 from ido_viz.own.draft_folder import DraftFolder
 from ido_viz.own.kept_folder import KeptFolder, card_html
 from ido_viz.own.own_scan_folder import OwnScanFolder
@@ -51,16 +52,23 @@ class OwnCloudTab:
         """Show what is there already, once the page is built."""
         self._workshop.judge(self._state.shape)
         self.refresh()
+        with self._turn:
+            self._kept.choose(self._state.shape)
         draft = self._workshop.draft
         if draft is not None:
             self._draft.begin(draft, None)
-            threading.Thread(target=lambda: self._draft.set_cost(self._workshop.draft_cost), daemon=True).start()
+            threading.Thread(target=self._measure, args=(draft,), daemon=True).start()
+
+    def _measure(self, draft: Draft) -> None:
+        cost = self._workshop.draft_cost
+        if self._draft.draft is not None and self._draft.draft.cloud is draft.cloud:  # else another was uploaded
+            self._draft.set_cost(cost)
 
     def refresh(self) -> None:
         """Show how far the trainings are, and what is kept."""
         with self._turn:
             self._train.refresh()
-            self._kept.refresh()
+            self._kept.refresh(self._state.shape)
             self._show_card()
 
     def draw(self, state: State) -> None:
@@ -69,6 +77,7 @@ class OwnCloudTab:
         if state.shape != before.shape:
             self._workshop.judge(state.shape)
             with self._turn:
+                self._kept.choose(state.shape)  # what is done there is done to what is seen
                 self._show_card()
         if state.dark != before.dark or state.large_text != before.large_text:
             self._preview.dark = state.dark

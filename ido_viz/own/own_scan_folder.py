@@ -18,7 +18,7 @@ from ido.files import save_cloud
 from ido.scans import as_json
 from ido.user_units import Start
 from ido_viz.core.library import Subject
-from ido_viz.own.draft import shown_name
+from ido_viz.own.draft import file_name, shown_name
 from ido_viz.own.kept import TRAINED
 from ido_viz.own.own_scan import OwnScan, registered_own
 from ido_viz.own.preview import Preview
@@ -92,6 +92,8 @@ class OwnScanFolder:
     def _registered(self, name: str, content: bytes) -> OwnScan:
         shape = self._shape()
         subject = self._workshop.library.subject(shape)
+        if not subject.maps:
+            raise CloudError(f"{shape} has no maps of DO or Improved DO, by which scans are registered; train it first")
         method = next((name for name in reversed(TRAINED) if name in subject.maps), next(iter(subject.maps)))
         unit = self._workshop.unit_of(shape)
         file, used = self._workshop.open(name, content)
@@ -101,19 +103,23 @@ class OwnScanFolder:
 
     def _show(self) -> None:
         if self._box.value and self._found is not None and self._subject is not None:
-            self._preview.show_scan(self._subject, self._found.placed)
+            self._preview.show_scan(self._found.name, self._subject, self._found.placed)
         else:
             self._preview.hide()
 
     def _send_pose(self) -> None:
         if self._found is not None:
             content = json.dumps(pose_of(self._found), indent=2, allow_nan=False).encode()
-            self._client.send_file_download("ido-pose.json", content, save_immediately=True)
+            self._client.send_file_download(_file_name(self._found, "-pose.json"), content, save_immediately=True)
 
     def _send_moved(self) -> None:
         if self._found is not None:
             content = moved_ply(self._found, self._workshop.shelf.folder)
-            self._client.send_file_download("ido-moved.ply", content, save_immediately=True)
+            self._client.send_file_download(_file_name(self._found, "-moved.ply"), content, save_immediately=True)
+
+
+def _file_name(found: OwnScan, ending: str) -> str:
+    return file_name(Path(found.name).stem, ending)
 
 
 def pose_of(found: OwnScan) -> dict[str, Any]:

@@ -16,6 +16,8 @@ from ido_viz.own.kept import TRAINED
 
 Result = TypeVar("Result")
 
+_PAPER = TrainingSettings()
+
 FEWEST_SCENES = 200
 """Of a training, however slow the machine is."""
 
@@ -64,13 +66,19 @@ class Plan:
             left = self.limit * _SPARE - self.maps * cost.map_itself
             fit = left / (cost.scene + self.maps * cost.scene_in_map)
             samples = min(max(_rounded_down(fit), FEWEST_SCENES), self.most_scenes)
-        return TrainingSettings(samples=samples, maps=self.maps, rotation=rotation, translation=translation)
+        return TrainingSettings(
+            samples=samples,
+            maps=self.maps,
+            first_ridge=_PAPER.ridge * max(_PAPER.samples / samples, 1.0),  # N λ is that of the paper
+            rotation=rotation,
+            translation=translation,
+        )
 
 
 PLANS: dict[str, Plan] = {
     "quick": Plan(30.0, 10, 10_000),
     "standard": Plan(120.0, 20, 30_000),
-    "paper": Plan(None, TrainingSettings().maps, TrainingSettings().samples),
+    "paper": Plan(None, _PAPER.maps, _PAPER.samples),
 }
 """What a person can choose."""
 
@@ -96,7 +104,7 @@ def measured_cost(cloud: Cloud, model: Model) -> Cost:
 
 def _regression_seconds(z: np.ndarray, rows: int) -> float:
     h = np.resize(z, (rows, z.shape[1]))
-    return _timed(lambda: solve(h, np.ones((rows, 6)), TrainingSettings().ridge))[0]
+    return _timed(lambda: solve(h, np.ones((rows, 6)), _PAPER.ridge))[0]
 
 
 def _timed(work: Callable[[], Result]) -> tuple[float, Result]:

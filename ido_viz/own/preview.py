@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable
 
 import numpy as np
@@ -19,7 +20,10 @@ NORMAL_LENGTH = 0.09
 
 _LARGER = 1.5  # than in a pane, for it has the place of two
 _ROOT = "/own"
-_NO_CAPTIONS = "<style>.over-canvas { visibility: hidden; }</style>"
+_CAPTION = """<style>.over-canvas:not(.of-preview) {{ visibility: hidden; }}
+.names.of-preview {{ height: 7rem; }} .of-preview > div {{ white-space: normal; }}</style>
+<div class="over-canvas names of-preview" style="color:{color}"><div><b style="font-size:1.15rem">{title}</b><br>
+<span style="font-size:0.8rem">{what}.<br>Numbers and charts beside it are those of the panes.</span></div></div>"""
 
 
 class Preview:
@@ -40,7 +44,8 @@ class Preview:
 
     def show_draft(self, draft: Draft) -> None:
         """The cloud, its model points, and their normals, dark at the point and bright at the tip."""
-        self._begin(UPS[draft.up])
+        what = "Grey: the cloud. Large points: the model, with its normals, bright at their tips"
+        self._begin(UPS[draft.up], draft.name, what)
         self._points("cloud", draft.in_file.points, palette.GUIDE, 0.006)
         model = draft.model
         ends = np.stack([model.points, model.points + np.float32(NORMAL_LENGTH) * model.normals], axis=1)
@@ -51,9 +56,9 @@ class Preview:
         )
         self._points("model", model.points, palette.ink(self.dark), 0.02)
 
-    def show_scan(self, subject: Subject, placed: FloatArray) -> None:
+    def show_scan(self, name: str, subject: Subject, placed: FloatArray) -> None:
         """A scan where it was moved to, points (N, 3) in model units, on the model."""
-        self._begin(subject.up)
+        self._begin(subject.up, name, "Orange: the scan, moved. Grey: what it was registered to")
         self._points("model", picture_of(subject).vertices, palette.GUIDE, 0.008)
         self._points("scan", placed.astype(np.float32), palette.method_color("Improved DO", self.dark), 0.02)
 
@@ -65,11 +70,12 @@ class Preview:
             self._style.content = ""
             self._show_panes(True)
 
-    def _begin(self, up: tuple[float, float, float]) -> None:
+    def _begin(self, up: tuple[float, float, float], title: str, what: str) -> None:
         if self._root is not None:
             self._root.remove()
         self._root = self._scene.add_frame(_ROOT, show_axes=False, wxyz=quaternion(upright(up)))
-        self._style.content = _NO_CAPTIONS
+        color = palette.css(palette.ink(self.dark))
+        self._style.content = _CAPTION.format(color=color, title=html.escape(title), what=what)
         self._show_panes(False)
 
     def _points(self, name: str, points: FloatArray, color: palette.Color, size: float) -> None:

@@ -80,7 +80,9 @@ class TrainFolder:
         if settings is None or cost is None:
             self._estimate.content = caption("Measuring how long a map takes on this machine…")
         else:
-            self._estimate.content = caption(estimate_text(settings, cost.seconds(settings)))
+            self._estimate.content = caption(
+                estimate_text(settings, cost.seconds(settings), PLANS[self._plan.value].limit)
+            )
 
     def refresh(self) -> None:
         """Show how far the trainings are."""
@@ -150,12 +152,15 @@ class TrainFolder:
         self._plot.restyle(data, series, scales, plain_axes(self._state, powers=_POWERS))
 
 
-def estimate_text(settings: TrainingSettings, seconds: float) -> str:
-    """How large a training is and how long it will take."""
-    return (
-        f"{settings.maps} maps of each method on {settings.samples:,} scenes: about <b>{in_words(seconds)}</b>, as "
-        "busy as this machine is now."
-    )
+def estimate_text(settings: TrainingSettings, seconds: float, limit: float | None) -> str:
+    """How large a training is and how long it will take; how it ends where it will not be done by its limit."""
+    size = f"{settings.maps} maps of each method on {settings.samples:,} scenes"
+    if limit is not None and seconds > limit:
+        return (
+            f"{size} would take about {in_words(seconds)}, as busy as this machine is now. After "
+            f"<b>{in_words(limit)}</b> it ends, with the maps that it has: too few, perhaps."
+        )
+    return f"{size}: about <b>{in_words(seconds)}</b>, as busy as this machine is now."
 
 
 def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool, dark: bool) -> str:

@@ -18,6 +18,7 @@ _SIGNS = {
     Verdict.NEARLY_IN_PLACE: "≈",
     Verdict.WRONG_POSE: "✗",
     Verdict.FAILED: "✗",
+    Verdict.STARTING: "→",
     Verdict.MOVING: "→",
     Verdict.COMPUTING: "…",
     Verdict.CANCELLED: "–",
@@ -85,11 +86,13 @@ def captions_html(frame: Frame) -> str:
 def _name_html(side: SideFrame, frame: Frame) -> str:
     dark = frame.state.dark
     color = palette.css(palette.text(palette.method_color(side.run.method, dark), dark))
-    over = "" if side.overlay is None else f", with {side.overlay.title}"
+    progress, over = progress_line(side), ""
+    if side.overlay is not None:  # there is little room
+        progress, over = progress.removeprefix("iteration "), f", with {side.overlay.title}"
     return (
         f'<b style="font-size:1.15rem;color:{color}">{html.escape(one_line(side.run.method))}</b><br>'
         f'<span style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'
-        f"{html.escape(progress_line(side) + over)}</span>"
+        f"{html.escape(progress + over)}</span>"
     )
 
 
@@ -102,7 +105,7 @@ def _verdict_html(side: SideFrame, frame: Frame) -> str:
     color = palette.css(palette.text(palette.verdict_color(verdict), dark))
     words = verdict.foretold if frame.held and side.run.pending is None else str(verdict)
     return (
-        f'<b style="font-size:1.5rem;color:{color}">{_SIGNS[verdict]} {words}</b><br>'
+        f'<b style="font-size:min(1.5rem,5vw);color:{color}">{_SIGNS[verdict]} {words}</b><br>'
         f'<span style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'
         f"{html.escape(_reason(side, verdict, frame.held))}</span>"
     )
@@ -114,7 +117,7 @@ def _reason(side: SideFrame, verdict: Verdict, held: bool) -> str:
         return one_line(side.run.waiting)
     k = side.run.trajectory.iterations if held else side.k
     arrived = f"{side.run.scores.accuracy[k]:.0%} arrived"
-    if verdict is Verdict.MOVING:
+    if verdict.is_open:
         return arrived
     away = "" if verdict is Verdict.IN_PLACE else f", {side.run.scores.rotation[k]:.0f}° off"
     return f"{arrived}{away} · {side.run.trajectory.stop}"

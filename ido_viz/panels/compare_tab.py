@@ -85,13 +85,14 @@ def label(row: Row) -> str:
 COLUMNS = f"{'':<26}{'Acc':>6}{'RMSE':>7}{'ms':>6}{'its':>5}"
 """Heads of the columns; its stands for iterations."""
 
-_STYLE = (  # the rows of a table, out of buttons
-    "<style>div:has(.ido-rows) ~ div .mantine-Button-label{font:0.66rem monospace;white-space:pre}"
-    "div:has(.ido-rows) ~ div div:has(> .mantine-Button-root){padding-bottom:0!important}"
-    "div:has(.ido-rows) ~ div .mantine-Button-root{height:1.25rem!important;padding:0;background:transparent;"
-    "color:var(--mantine-color-text);border-bottom:1px solid rgba(128,128,128,.25)}"
-    "div:has(.ido-rows) ~ div .mantine-Button-root:hover{background:rgba(0,114,178,.15)}</style>"
-)
+_ROWS = ":is(div:has(> .ido-rows), div:has(> div > .ido-rows)) ~ div"  # what follows it, and not what follows the tab
+_STYLE = f"""<style>
+{_ROWS} .mantine-Button-label {{ font: 0.66rem monospace; white-space: pre; }}
+{_ROWS} div:has(> .mantine-Button-root) {{ padding-bottom: 0 !important; }}
+{_ROWS} .mantine-Button-root {{ height: 1.25rem !important; padding: 0; background: transparent;
+  color: var(--mantine-color-text); border-bottom: 1px solid rgba(128,128,128,.25); }}
+{_ROWS} .mantine-Button-root:hover {{ background: rgba(0,114,178,.15); }}
+</style>"""  # the rows of a table, out of buttons
 
 
 def head_html(done: int, total: int, running: bool, fits: bool, waiting: str = "") -> str:

@@ -11,7 +11,7 @@ import viser
 
 from ido import RANGES, Perturbation
 from ido.perturbation import LARGEST_SEED, OutlierKind
-from ido_viz.core.actions import Actions, plain
+from ido_viz.core.actions import Actions, at_once, plain
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
 from ido_viz.core.run import start_size
@@ -120,7 +120,7 @@ class Controls:
         scene_buttons = {"New seed": actions.new_seed, "Paper defaults": actions.paper_defaults}
         gui.add_button_group(
             "Draw", tuple(scene_buttons), hint="Draw another scene, or take the paper's values with the same seed."
-        ).on_click(lambda event: scene_buttons[event.target.value]())
+        ).on_click(at_once(lambda button: scene_buttons[button]()))
         self._inputs["replay"] = gui.add_checkbox(
             "Play a change", state.replay, hint="Play the registration from its start whenever the scene is changed."
         )

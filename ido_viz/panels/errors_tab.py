@@ -14,7 +14,7 @@ from ido_viz.core.frame import Frame
 from ido_viz.core.run import Run
 from ido_viz.core.state import LONGEST_RUN, State
 from ido_viz.panels.markup import both_methods, caption
-from ido_viz.panels.plot import Plot, plain_axes
+from ido_viz.panels.plot import Plot, marked_up_to, plain_axes
 from ido_viz.panels.race_chart import RaceChart
 
 _TITLES = {
@@ -46,7 +46,7 @@ class ErrorsTab:
             else:
                 plot.restyle(data, *_style(run, name, state))
         if look != self._look:
-            self._caption.content = caption(both_methods(run, state.dark))
+            self._caption.content = caption(f"{both_methods(run, state.dark)} &nbsp; over the iterations")
         self._look = look
         self._race.draw(frame)
 
@@ -92,4 +92,6 @@ def _style(run: Run, name: str, state: State) -> tuple[list[Any], dict[str, Any]
     elif name == "histogram distance":
         y["range"] = (0.0, distance)
     x = {"time": False, "auto": False, "range": (0.0, last)}
-    return series, {"x": x, "y": y}, plain_axes(state, powers=(-4, 0) if name == "update norm" else None)
+    axes = plain_axes(state, powers=(-4, 0) if name == "update norm" else None)
+    axes[0] |= marked_up_to(last)
+    return series, {"x": x, "y": y}, axes

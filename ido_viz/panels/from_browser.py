@@ -6,11 +6,16 @@ from collections.abc import Callable
 
 import viser
 
+from ido_viz.core.actions import at_once
+
 PICKED = "Picked bin"
 """Label of the field that tells of a click."""
 
 OPEN_TABS = "Open tabs"
 """Label of the field that tells which tabs are open."""
+
+GESTURE = "Gesture"
+"""Label of the field that tells the number of what the hand does, from a button or key that goes down to the next."""
 
 # The keyboard passes the fields by, too; they must be in the page for the script to find them.
 _STYLE = """<style>
@@ -24,8 +29,8 @@ def unseen_field(gui: viser.GuiApi, label: str, told: Callable[[str], None]) -> 
     Args:
         gui: whose page it is.
         label: by which the script finds it.
-        told: called with what is written there.
+        told: called with what is written there, in the order in which it was; it must return at once.
     """
     gui.add_html(_STYLE)
     field = gui.add_text(label, "", hint="The script of the page writes here.")
-    field.on_update(lambda event: told(event.target.value) if event.client else None)
+    field.on_update(at_once(told))

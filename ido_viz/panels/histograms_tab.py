@@ -58,6 +58,8 @@ class _HistogramChart:
         self._plot.height = self._height - (_LARGER_TEXT_TAKES if state.large_text else 0)
         self._plot.restyle(data, *_style(side, state))
         what = "minus the reference line" if state.difference else "against the reference line"
+        if state.order != "reference value" and not state.difference:
+            what = "against the reference"  # in another order it is no line
         seen_by = "histogram" if run.maps else f"as {html.escape(run.histogram.name)} sees it,"
         if run.waiting:
             seen_by = f"is not there yet; until then {seen_by}"

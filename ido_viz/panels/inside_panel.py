@@ -14,16 +14,18 @@ from ido_viz.core import palette
 from ido_viz.core.frame import Frame
 from ido_viz.core.inside import Inside
 from ido_viz.core.state import BEATS
+from ido_viz.core.wording import short_side
 
 _WIDTH, _HEIGHT = 560, 128  # of a picture, in its own units
+_NORMAL, _LARGE = 13, 18  # of the words in it
 _DOTS = 500  # of a histogram, at most
 _STYLE = """<style>
 .inside { position: fixed; position-anchor: --canvas; left: 26%; right: 31%; bottom: 1.9rem; z-index: 6;
   border-radius: 6px; padding: 0.4rem 0.8rem; pointer-events: none; }
 @supports (left: anchor(left)) { .inside { left: calc(anchor(left) + 0.8rem); right: calc(anchor(right) + 0.8rem);
   bottom: calc(anchor(bottom) + 1.9rem); } }
-.inside svg { width: 100%; height: 7.4rem; display: block; }
-.inside .sentence { font-size: 0.95rem; line-height: 1.35; height: 2.7rem; overflow: hidden; }
+.inside svg { width: 100%; max-height: 7.4rem; display: block; }
+.inside .sentence { font-size: 0.95rem; line-height: 1.35; height: 3.85rem; overflow: hidden; }
 @media (max-width: 600px) { .inside { left: 0; right: 0; bottom: auto; top: 8rem; } }
 </style>"""
 
@@ -37,12 +39,14 @@ class InsidePanel:
 
     def draw(self, frame: Frame) -> None:
         """Draw the beat of a frame; nothing where none is shown."""
-        content = "" if frame.inside is None else inside_html(frame.inside, frame.state.dark)
+        content = (
+            "" if frame.inside is None else inside_html(frame.inside, frame.state.dark, large=frame.state.large_text)
+        )
         if self._html.content != content:
             self._html.content = content
 
 
-def inside_html(inside: Inside, dark: bool) -> str:
+def inside_html(inside: Inside, dark: bool, *, large: bool = False) -> str:
     """A beat as HTML."""
     ink, page = palette.css(palette.ink(dark)), palette.css(palette.PAGES[dark], 0.9)
     dots = "".join("●" if number <= inside.beat else "○" for number in range(1, BEATS + 1))
@@ -51,7 +55,7 @@ def inside_html(inside: Inside, dark: bool) -> str:
         f'<div class="inside" style="background:{page};color:{ink};border:1px solid {palette.css(palette.GUIDE, 0.4)}">'
         f'<div class="sentence"><span aria-label="beat {inside.beat} of {BEATS}">{dots}</span> {sentence}</div>'
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="beat {inside.beat}" fill="{ink}" '
-        f'font-size="12" font-family="sans-serif">{picture}</svg></div>'
+        f'font-size="{_LARGE if large else _NORMAL}" font-family="sans-serif">{picture}</svg></div>'
     )
 
 
@@ -60,18 +64,17 @@ def _asks(inside: Inside, dark: bool) -> tuple[str, str]:
     color = _block_color(inside)
     some = np.flatnonzero(counts > 0.01)
     picture = "".join(
-        f'<circle cx="{x}" cy="44" r="14" fill="{fill}"/><text x="{x + 24}" y="49">{html.escape(name)}: '
+        f'<circle cx="24" cy="{y}" r="14" fill="{fill}"/><text x="50" y="{y + 5}">{html.escape(name)}: '
         f"{int((first[some] == is_first).sum())} points that count</text>"
-        for x, fill, name, is_first in (
-            (60, color, inside.question.first, True),
-            (310, palette.css(palette.ink(dark)), inside.question.second, False),
+        for y, fill, name, is_first in (
+            (22, color, inside.question.first, True),
+            (60, palette.css(palette.ink(dark)), inside.question.second, False),
         )
     )
     return (
         f"One model point, the yellow one (number {inside.point}), asks every scene point near it: "
         f"<b>{html.escape(inside.question.first)}</b> or <b>{html.escape(inside.question.second)}</b>?",
-        picture
-        + '<text x="60" y="90">The nearer a point is, the more it counts, and the stronger is its colour.</text>',
+        picture + '<text x="10" y="104">The nearer a point is, the more it counts, and the stronger its colour.</text>',
     )
 
 
@@ -85,18 +88,18 @@ def _fills(inside: Inside, dark: bool) -> tuple[str, str]:
             (inside.question.second, inside.bins[1], palette.css(palette.ink(dark))),
         )
     ):
-        y, long = 14 + 52 * row, 360 / most
-        mark = 100 + long * reference[j]
+        y, long = 14 + 52 * row, 330 / most
+        mark = 130 + long * reference[j]
         rows.append(
             f'<text x="4" y="{y + 22}">{html.escape(name)}</text>'
-            f'<rect x="100" y="{y}" width="{long * seen[j] * inside.share:.1f}" height="32" fill="{fill}"/>'
+            f'<rect x="130" y="{y}" width="{long * seen[j] * inside.share:.1f}" height="32" fill="{fill}"/>'
             f'<line x1="{mark:.1f}" x2="{mark:.1f}" y1="{y - 6}" y2="{y + 38}" '
             f'stroke="{palette.css(palette.GHOST)}" stroke-width="3"/>'
             f'<text x="470" y="{y + 22}">{seen[j]:.3f}</text>'
         )
     sentence = (
-        "What the points count is added up: two <b>bins</b> fill. The green marks are the <b>reference</b>: what this "
-        "model point sees when the scene is in its place."
+        "What they count is added up: two <b>bins</b> fill. The green marks are the <b>reference</b>: what this model "
+        "point sees of a scene in its place."
     )
     return sentence, "".join(rows)
 
@@ -118,7 +121,7 @@ def _stands(inside: Inside, dark: bool) -> tuple[str, str]:
     names, wide = histogram.side_names, (_WIDTH - 8) / len(histogram.side_names)
     labels = "".join(
         f'<text x="{4 + (i + 0.5) * wide:.0f}" y="{_HEIGHT - 2}" text-anchor="middle">{html.escape(name)}</text>'
-        for i, name in enumerate(names)
+        for i, name in enumerate(map(short_side, names))
     )
     return (
         f"All {histogram.n_bins} bins, as dots, against the <b>reference line</b>. In the right place they would lie "
@@ -157,7 +160,7 @@ def _moves(inside: Inside, dark: bool) -> tuple[str, str]:
     degrees = float(np.rad2deg(Rotation.from_matrix(step[:3, :3]).magnitude()))
     update = inside.inspection.shares.update
     numbers = "".join(
-        f'<text x="{40 + 170 * (i % 3)}" y="{34 + 44 * (i // 3)}" font-size="15">{name} {value:+.4f}</text>'
+        f'<text x="{40 + 170 * (i % 3)}" y="{34 + 44 * (i // 3)}" font-size="18">{name} {value:+.4f}</text>'
         for i, (name, value) in enumerate(zip(PARAMETERS, update, strict=True))
     )
     return (

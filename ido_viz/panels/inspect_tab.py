@@ -11,6 +11,7 @@ import viser
 
 from ido.attribution import bin_name
 from ido.poses import PARAMETERS
+from ido_viz.core.actions import at_once
 from ido_viz.core.frame import Frame
 from ido_viz.core.inspection import Inspection
 from ido_viz.core.state import NO_POINT, Coloring, Pane, State
@@ -65,7 +66,7 @@ class InspectTab:
             ),
         }
         for name, handle in self._inputs.items():
-            handle.on_update(lambda event, name=name: change({name: event.target.value}) if event.client else None)
+            handle.on_update(at_once(lambda value, name=name: change({name: value})))
         self._bins: Any = gui.add_dropdown(
             "Strongest bins",
             (NO_BIN,),
@@ -73,7 +74,7 @@ class InspectTab:
             hint="Choose one to look into its model point. With the model's colours towards the truth, these are the "
             "bins that lead astray most.",
         )
-        self._bins.on_update(lambda event: self._choose(event.target.value, change) if event.client else None)
+        self._bins.on_update(at_once(lambda text: self._choose(text, change)))
         self._sort = gui.add_dropdown(
             "List by", tuple(LISTED_BY), initial_value="share", hint="How the list of the strongest bins is sorted."
         )
@@ -97,7 +98,7 @@ class InspectTab:
         if inspection is None:
             content, bins = caption("This method has no histogram and no maps to look into."), ()
         else:
-            content = tables_html(inspection, state) + bins_html(inspection, self._sort.value)
+            content = bins_html(inspection, self._sort.value) + tables_html(inspection, state)  # below its sorting
             bins = tuple(bin_label(inspection, int(number)) for number in inspection.strongest)
         if self._tables.content != content:
             self._tables.content = content
@@ -130,7 +131,7 @@ def tables_html(inspection: Inspection, state: State) -> str:
     if inspection.point is not None:
         parts += [caption(f"model point {inspection.point}"), point_table(inspection, what)]
         if inspection.scene_point is not None:
-            parts += [caption(f"asked about scene point {inspection.scene_point}"), pair_table(inspection)]
+            parts.append(pair_table(inspection))
     else:
         parts.append(caption("Click a point of the model in the 3D view to see its bins."))
     return "".join(parts)
@@ -169,7 +170,7 @@ def bins_html(inspection: Inspection, by: str) -> str:
     )
 
 
-_WHAT = {"height": "its length", "whole update": "its length", "towards the truth": "right way"}
+_WHAT = {"height": "along it", "whole update": "along it", "towards the truth": "right way"}
 
 
 def pair_table(inspection: Inspection) -> str:
@@ -183,7 +184,8 @@ def pair_table(inspection: Inspection) -> str:
         answer = question.first if first[one] else question.second
         rows.append((question.name, answer, f"{counts[one]:.4f}", f"{counts[one] / total if total > 0 else 0.0:.2%}"))
     distance = float(np.linalg.norm(inspection.moved[one] - histogram.model.points[point]))
-    return table_html((f"distance {distance:.3f}", "answer", "weight", "share of the bin"), rows)
+    rows.append(("its distance", "", f"{distance:.3f}", ""))
+    return table_html((f"asked about scene point {one}", "answer", "weight", "share of the bin"), rows)
 
 
 def point_table(inspection: Inspection, what: str) -> str:
@@ -203,4 +205,4 @@ def point_table(inspection: Inspection, what: str) -> str:
         )
         for i, name in enumerate(names)
     ]
-    return table_html(("side", "bin", "reference", "weight", f"share in {what}"), rows)
+    return table_html(("side", "bin", "reference", "weight", f"share {what}"), rows)

@@ -44,10 +44,10 @@ class MapsTab:
         for pictures, side in zip(self._shown, frame.sides, strict=True):
             run = side.run
             look = (run.method, run.maps, bool(run.waiting), side.shown_map, state.pinned_map == 0, state.dark)
-            look += (side.order.tobytes(), state.inspected)
+            look += (side.order.tobytes(), side.marked)
             pictures.draw(look, lambda side=side: _shown_html(side, state))
-        of_sides = ((side.run.method, side.run.maps, bool(side.run.waiting)) for side in frame.sides)
-        self._compared.draw((*of_sides, state.order, state.inspected, state.dark), lambda: _compared_html(frame))
+        of_sides = ((side.run.method, side.run.maps, bool(side.run.waiting), side.marked) for side in frame.sides)
+        self._compared.draw((*of_sides, state.order, state.dark), lambda: _compared_html(frame))
 
 
 class _Pictures:
@@ -70,7 +70,7 @@ def _shown_html(side: SideFrame, state: State) -> str:
         return no_maps(run, state.dark)
     title = f"<b>{method_span(run.method, state.dark)}</b> map {side.shown_map} of {len(run.maps.maps)}"
     title += " (pinned)" if state.pinned_map else ""
-    return heatmap_html(run.maps, side.shown_map, side.order, title, state.inspected, ("shown", side.pane))
+    return heatmap_html(run.maps, side.shown_map, side.order, title, side.marked, ("shown", side.pane))
 
 
 def _compared_html(frame: Frame) -> str:
@@ -91,7 +91,7 @@ def _compared_html(frame: Frame) -> str:
             if maps is not None and number in _compared_numbers(side):
                 title = f"{method_span(side.run.method, frame.state.dark)} map {number}"
                 clicked = ("compared", side.pane)
-                parts.append(heatmap_html(maps, number, side.map_order, title, frame.state.inspected, clicked))
+                parts.append(heatmap_html(maps, number, side.map_order, title, side.marked, clicked))
     return "".join(parts)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import viser
 
-from ido_viz.core.actions import Actions, plain
+from ido_viz.core.actions import Actions, at_once, plain
 from ido_viz.core.frame import Frame
 from ido_viz.core.inside import STEP
 from ido_viz.core.state import BEATS, NORMAL_SPEED, State
@@ -38,7 +38,7 @@ class Playback:
         buttons = gui.add_button_group(
             "", tuple(moves), hint="To the start, one iteration back or on, to the end. Keys: R, B, N."
         )
-        buttons.on_click(lambda event: moves[event.target.value]())
+        buttons.on_click(at_once(lambda move: moves[move]()))
         self._look = gui.add_button(
             "Look inside (I)",
             color="gray",
@@ -46,9 +46,9 @@ class Playback:
         )
         self._look.on_click(plain(actions.look_inside))
         self._beat = gui.add_slider("Beat", 0.0, BEATS, STEP, 0.0, hint="Drag through the five beats.")
-        self._beat.on_update(lambda event: actions.to_beat(float(event.target.value)) if event.client else None)
+        self._beat.on_update(at_once(lambda beat: actions.to_beat(float(beat))))
         self._scrub = gui.add_slider("Iteration", 0, 1, 1, 0, hint="Drag through the registration.")
-        self._scrub.on_update(lambda event: actions.jump(int(event.target.value)) if event.client else None)
+        self._scrub.on_update(at_once(lambda iteration: actions.jump(int(iteration))))
         self.speed = gui.add_slider(
             "Speed",
             1,
@@ -61,7 +61,7 @@ class Playback:
         changes = {"Undo": actions.undo, "Redo": actions.redo}
         gui.add_button_group(
             "Change", tuple(changes), hint="Take back what was changed last, and do it again: Ctrl-Z and Ctrl-Shift-Z."
-        ).on_click(lambda event: changes[event.target.value]())
+        ).on_click(at_once(lambda change: changes[change]()))
         self._cancel = gui.add_button(
             "Cancel what is computed", color="gray", visible=False, hint="Give up the methods that are still computing."
         )

@@ -12,6 +12,8 @@ from ido_viz.core import palette
 from ido_viz.core.state import State
 
 _MOST_POWERS = 4  # of ten, that are all marked along an axis
+_STEPS = [digit * 10**power for power in range(1, 9) for digit in (1, 2, 5)]
+_MOST_STEPS = 5  # between the marks of an axis
 
 
 class Plot:
@@ -85,6 +87,13 @@ def dots(label: str, color: str, *, size: int, edge: str = "") -> dict[str, Any]
 def axis_font(state: State) -> str:
     """Of the numbers and names along axes, which a style sheet does not reach."""
     return f"{14 if state.large_text else 11}px sans-serif"
+
+
+def marked_up_to(last: float) -> dict[str, Any]:
+    """Marks of an axis of whole numbers, written without the separators that a browser's language has."""
+    step = next(step for step in _STEPS if last <= _MOST_STEPS * step)
+    marks = np.arange(0.0, last + 1, step).tolist()
+    return {"splits": marks, "values": [f"{mark:.0f}" for mark in marks]}
 
 
 def plain_axes(state: State, powers: tuple[int, int] | None = None) -> list[Any]:

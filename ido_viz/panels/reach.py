@@ -28,7 +28,12 @@ def beyond(maps: Maps, state: State) -> list[str]:
     values = {name: getattr(state.perturbation, name) for name in ranges}
     values["rotation"], values["translation"] = start_size(state)
     return [
-        f"{name} {values[name]:.3g} {'>' if values[name] > high else '<'} {high if values[name] > high else low:g}"
+        f"{name} {_number(values[name])} {'>' if values[name] > high else '<'} {high if values[name] > high else low:g}"
         for name, (low, high) in ranges.items()
         if not low - _SLACK <= values[name] <= high + _SLACK
     ]
+
+
+def _number(value: float) -> str:
+    """Whole, or in three digits."""
+    return f"{value:.0f}" if value == int(value) else f"{value:.3g}"

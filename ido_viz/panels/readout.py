@@ -36,8 +36,9 @@ def readout_html(frame: Frame) -> str:
         for name, *cells in zip(ROWS, *map(_cells, frame.sides), strict=True)
     )
     return (
-        '<table class="readout" style="width:calc(100% - 22px);margin:0 14px 0 8px;font-size:0.75rem;line-height:1.35;'
-        f'font-variant-numeric:tabular-nums"><tr><th></th>{head}</tr>{body}</table>'
+        '<table class="readout" style="width:calc(100% - 22px);margin:0 14px 0.3rem 8px;font-size:0.75rem;'
+        'line-height:1.35;table-layout:fixed;overflow-wrap:anywhere;font-variant-numeric:tabular-nums">'
+        f'<tr><th style="width:36%"></th>{head}</tr>{body}</table>'
         + "".join(trace_html(side.run, frame.state.dark) for side in frame.sides)
     )
 
@@ -72,7 +73,8 @@ def trace_html(side: MethodRun, dark: bool) -> str:
     color = _color(side.method, dark)
     return (
         f'<div style="margin:6px 8px 0 8px;font-size:0.6875rem"><b style="color:{color}">{html.escape(side.method)}</b>'
-        ' failed:</div><div class="trace" tabindex="0" style="display:flex;flex-direction:column-reverse;overflow:auto;'
+        " failed. Code is read when the explorer starts: mend it, then start it again.</div>"
+        '<div class="trace" tabindex="0" style="display:flex;flex-direction:column-reverse;overflow:auto;'
         f"max-height:14rem;margin:2px 8px 6px 8px;padding:4px;border-left:3px solid {color};"
         f'background:rgba(128,128,128,.12)"><pre style="margin:0;font:0.625rem/1.35 monospace;white-space:pre-wrap;'
         f'overflow-wrap:anywhere">{html.escape(side.trace)}</pre></div>'

@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 import viser
 
-from ido_viz.core.actions import Actions, plain
+from ido_viz.core.actions import Actions, at_once, plain
 from ido_viz.core.address import opens_elsewhere, shared
 from ido_viz.core.state import Part, State, encode
 from ido_viz.panels.markup import caption
@@ -64,7 +64,7 @@ class ShareFolder:
             "Page", tuple(ways), hint="The link opens exactly this page, as does the address of the browser."
         ).on_click(lambda event: ways[event.target.value]())
         self._code = gui.add_text("State", "", hint="Copy this code, or paste one to get exactly its page.")
-        self._code.on_update(self._pasted)
+        self._code.on_update(at_once(self._pasted))  # the page writes there, too
         with gui.add_folder("For a class"):
             gui.add_html(_HIDING)
             for part in get_args(Part):
@@ -90,10 +90,10 @@ class ShareFolder:
         if code != self._written:
             self._written = self._code.value = code
 
-    def _pasted(self, event: viser.GuiEvent[Any]) -> None:
-        if event.client is not None and event.target.value.strip():  # else it was cleared, to paste another
+    def _pasted(self, code: str) -> None:
+        if code.strip():  # else it was cleared, to paste another
             self._written = None  # whatever becomes of it, the page's own code comes back
-            self._actions.apply_code(event.target.value)
+            self._actions.apply_code(code)
 
     def _show_qr(self) -> None:
         link = self._actions.link()

@@ -17,7 +17,7 @@ _MOST_REASONS = 2  # there is room for
 def sureness_html(side: SideFrame, frame: Frame) -> str:
     """The probability that a pane's pose is right, with the first reasons for doubt; nothing before the end."""
     sure, dark = side.run.confidence, frame.state.dark
-    ended = frame.held or side.verdict is not Verdict.MOVING
+    ended = frame.held or not side.verdict.is_open
     if sure is None or not ended or frame.inside is not None or "scores" in frame.state.hidden:
         return ""
     color = palette.css(palette.text(palette.verdict_color(_like(sure)), dark))

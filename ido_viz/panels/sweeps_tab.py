@@ -81,7 +81,7 @@ class SweepsTab:
 
     def _looks(self, state: State) -> tuple[object, ...]:
         chosen = (self._sweep, self._score, self._group, self._method, self._level)
-        return (state.shape, state.dark, *(handle.value for handle in chosen))
+        return (state.shape, state.dark, state.large_text, *(handle.value for handle in chosen))
 
     def _choose(self) -> None:
         if self._trial.value != "–":

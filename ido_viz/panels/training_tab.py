@@ -62,7 +62,7 @@ class TrainingTab:
             data = (np.arange(length, dtype=np.float64), *(padded(values, length) for values in curves))
             plot.restyle(data, series, scales, plain_axes(state, powers=(lowest, 0)))
         self._samples.content = "".join(
-            _samples_html(side.maps, f"{method_span(side.method, state.dark)} {part} error of 600 samples", columns)
+            _samples_html(side.maps, f"{method_span(side.method, state.dark)} {part} error", columns)
             for part, columns in (("rotation", slice(3, 6)), ("translation", slice(0, 3)))
             for side in run.sides
             if side.maps
@@ -81,7 +81,7 @@ def _samples_html(maps: Maps, title: str, columns: slice) -> str:
     shades = 255 * (1 - np.log1p(counts) / np.log1p(counts.max()))
     source = png_address(Image.fromarray(np.rint(shades).astype(np.uint8)))
     return (
-        caption(f'{title}<span style="float:right">0 to {top:.2g}</span>')
+        caption(f'{title} of {errors.shape[1]} samples<span style="float:right">0 to {top:.2g}</span>')
         + f'<img alt="spread of the training errors" src="{source}" style="display:block;width:calc(100% - 16px);'
         f'height:70px;margin:2px 8px 6px 8px;image-rendering:pixelated">'
     )

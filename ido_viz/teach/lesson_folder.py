@@ -104,7 +104,7 @@ class LessonFolder:
 
     def _on(self) -> None:
         with self._lock:
-            if self._place is not None:
+            if self._place is not None and not self._presenter.tell():
                 self._go(self._place.on())
 
     def _back(self) -> None:

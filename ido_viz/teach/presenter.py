@@ -18,6 +18,9 @@ from ido_viz.teach.walk import Place
 WIDTH = 450
 """Of the panel, pixels: on a window of 1280, with large text, the canvas between the other panels is 470 wide."""
 
+WATCH = "Watch…"
+"""Stands in the place of an answer while the page plays, which is the answer's better half."""
+
 _GAP = 12  # from the canvas's edges, pixels
 _STYLE = """<style>
 .lesson{margin:0.4rem 0.75rem 0.7rem;font-size:0.75rem;opacity:0.75}
@@ -55,13 +58,14 @@ class Presenter:
         self._place: Place | None = None
         self._control: ControlView | None = None
         self._turn = 0
+        self._untold = ""  # the answer, until the page has played
         self.panel = gui.add_panel(order=-1)  # on a phone, where panels are a list, the first
         self.panel.visible = False
         self._tab = self.panel.add_tab("Lesson")
         with self._tab:
             self._text = gui.add_markdown("", order=0)
             self._slot = gui.add_folder(None, order=1)
-            self._head = gui.add_html("", order=2)  # between the text and the buttons, whose hint covers it
+            self._head = gui.add_html("", order=2)  # between the text and the buttons, whose hint covers its end
             self._moves = gui.add_button_group("Go", tuple(moves), order=3, hint="Or the arrow keys, or a clicker.")
             self._script = gui.add_html("", order=4)
         self._moves.on_click(lambda event: moves[event.target.value]())
@@ -85,8 +89,10 @@ class Presenter:
                 self._bring_tabs_back()
             return
         step = place.step
-        self._head.content = f'{_STYLE}<div class="lesson">{html.escape(place.lesson.title)} · {place.caption}</div>'
-        self._text.content = place.text
+        self._head.content = f'{_STYLE}<div class="lesson">{place.caption} · {html.escape(place.lesson.title)}</div>'
+        plays = place.guessed is not None and place.state is not None and place.state.playing
+        self._untold = place.text if plays else ""
+        self._text.content = WATCH if plays else place.text
         self._turn += 1
         tab = open_tab(step.tab, self._turn, at_end=step.end) if step is not None and step.tab is not None else ""
         self._script.content = note_tabs() + arrows_turn_pages() + tab
@@ -105,8 +111,17 @@ class Presenter:
             if step is not None and step.control is not None and not choices:
                 self._control = ControlView(self._gui, step.control, state, self._actions)
 
+    def tell(self) -> bool:
+        """Say the answer that waits for the page to have played; whether there was one."""
+        if not self._untold:
+            return False
+        self._text.content, self._untold = self._untold, ""
+        return True
+
     def draw(self, frame: Frame) -> None:
         """Point at what the step talks about, and keep the panel on the canvas while it is wanted."""
+        if frame.k > 0 and not frame.state.playing:
+            self.tell()
         step = self._place.step if self._place is not None else None
         found = pointers(frame, step.marks) if step is not None else ()
         self._marks.draw(found, dark=frame.state.dark, large=frame.state.large_text)

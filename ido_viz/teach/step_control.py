@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 import viser
 
 from ido import RANGES
-from ido_viz.core.actions import Actions
+from ido_viz.core.actions import Actions, at_once
 from ido_viz.core.state import VALUES, State, StateError, with_values
 from ido_viz.panels.controls import STEPS
 from ido_viz.teach.content import ContentError
@@ -85,7 +85,7 @@ class ControlView:
         elif control.choices:
             by_label = {_shown(choice): choice for choice in control.choices}
             gui.add_button_group(_label(name), tuple(by_label), hint=_HINT).on_click(
-                lambda event: actions.set_values({name: by_label[event.target.value]})
+                at_once(lambda label: actions.set_values({name: by_label[label]}))
             )
         else:
             kind = type(STEPS[name])
@@ -93,9 +93,7 @@ class ControlView:
             self._slider = gui.add_slider(
                 _label(name), low, high, STEPS[name], kind(getattr(state.perturbation, name)), hint=_HINT
             )
-            self._slider.on_update(
-                lambda event: actions.set_values({name: event.target.value}) if event.client else None
-            )
+            self._slider.on_update(at_once(lambda value: actions.set_values({name: value})))
 
     def follow(self, state: State) -> None:
         """Show what the page shows."""

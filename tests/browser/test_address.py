@@ -222,7 +222,7 @@ def test_a_class_scans_the_address_that_others_can_open(open_explorer: OpenExplo
 
         lecturer.wait_until("the code to be there", scanned)
         assert scanned() == [link]
-        lecturer.press("Close")
+        lecturer.page.keyboard.press("Escape")
         window.wait_for(state="detached")
     finally:
         app.stop()

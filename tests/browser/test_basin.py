@@ -18,7 +18,17 @@ NUMBER = 140  # turned by 150°
 
 def test_a_click_begins_there(open_explorer: OpenExplorer):
     explorer = open_explorer(STATE)
+    explorer.open_tab("Compare")
+    explorer.press("Compare all methods")
+    explorer.page.locator(".ido-rows").wait_for()
+    explorer.press("Cancel")
     explorer.open_tab("Basin")
+    faces = [explorer.page.get_by_role("button", name=name, exact=True) for name in ("Map the basin", "Play (P)")]
+    one, other = (
+        face.evaluate("each => [getComputedStyle(each).backgroundColor, getComputedStyle(each).fontFamily]")
+        for face in faces
+    )
+    assert one == other, "it looks like a row of the table"
     explorer.press("Map the basin")
     shown = explorer.page.locator("svg.basin").first
     explorer.wait_until("a first dot", lambda: "of 0" not in (shown.get_attribute("aria-label") or "of 0"))

@@ -14,6 +14,7 @@ from PIL import Image
 from ido import RANGES
 from ido_viz.core import palette
 from ido_viz.core.state import State, encode
+from ido_viz.teach.lessons import lesson
 
 pytestmark = [
     pytest.mark.looks_at_canvas,
@@ -219,6 +220,33 @@ def test_a_dark_system_gets_a_dark_page_until_a_person_chooses(fresh_explorer: E
     explorer.wait_ready()
     explorer.wait_until("the chosen page", lambda: explorer.state() == AT_THE_END)
     assert dark.count() == 0
+
+
+WATCH_FOR_THE_EMPTY_PAGE = """
+window.uncovered = [];
+setInterval(() => {
+    for (const button of document.querySelectorAll("button")) {
+        const {x, y, width, height} = button.getBoundingClientRect();
+        if (button.textContent !== "Save Canvas" || !width) continue;
+        uncovered.push(!document.elementFromPoint(x + width / 2, y + height / 2)?.closest("#ido-splash"));
+    }
+}, 5);
+"""
+"""Notes whether a button of viser's own page, which ours replaces, can be seen."""
+
+
+def test_a_splash_stands_before_the_page_until_it_is_there(fresh_explorer: Explorer):
+    explorer = fresh_explorer
+    explorer.page.add_init_script(WATCH_FOR_THE_EMPTY_PAGE)
+    explorer.page.emulate_media(color_scheme="dark")
+    explorer.page.goto(f"{explorer.app.url}/?lesson=histogram/2", wait_until="commit")
+    splash = explorer.page.locator("#ido-splash")
+    splash.get_by_text("IDO Explorer").wait_for()
+    explorer.expect_step(2, len(lesson("histogram").steps))
+    splash.wait_for(state="detached")
+    assert box_of(explorer.canvas())["x"] > 0
+    assert not any(explorer.page.evaluate("uncovered"))
+    assert explorer.state().dark, "a lesson is dark, too, where the browser prefers it"
 
 
 DIVISIONS = """canvas => {

@@ -63,7 +63,7 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
     page.get_by_text("histogram distance").wait_for()
     with page.expect_download() as download:
         explorer.press("Moved scan (.ply)")
-    assert download.value.suggested_filename == "ido-moved.ply"
+    assert download.value.suggested_filename == "ido-scan-moved.ply"
 
     explorer.press("Delete")
     explorer.press("Delete it")

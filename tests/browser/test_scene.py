@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from any_explorer import SLIDERS
 from explorer import Explorer, box_of
 
 from ido import Perturbation
 from ido.perturbation import LARGEST_SEED
-from ido_viz.core.state import LONGEST_RUN
+from ido_viz.core.state import LONGEST_RUN, State
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
@@ -49,7 +51,17 @@ def test_a_held_slider_shows_other_numbers_and_a_wild_drag_ends_at_its_last_valu
 
 def test_absurd_input_does_no_harm(explorer: Explorer):
     explorer.tick("Maps follow the iteration")
+    values: dict[str, Callable[[State], float]] = {
+        "Noise": lambda state: state.perturbation.noise,
+        "Stop below ε": lambda state: state.epsilon,
+        "Most iterations": lambda state: state.max_iterations,
+        "Seed": lambda state: state.perturbation.seed,
+        "Speed": lambda state: state.speed,
+        "Map": lambda state: state.pinned_map,
+        "Points": lambda state: state.perturbation.points,
+    }
     for label, low, high in (
+        ("Noise", 0, 0.1),
         ("Stop below ε", 1e-5, 0.1),
         ("Most iterations", 1, LONGEST_RUN),
         ("Seed", 0, LARGEST_SEED),
@@ -57,10 +69,21 @@ def test_absurd_input_does_no_harm(explorer: Explorer):
         ("Map", 1, 30),
         ("Points", 100, 4000),
     ):
+        field, sliders = explorer.field(label), explorer.row(label).get_by_role("slider")
         for text in ("-5", "1e9", "abc", "", "99999999999999999999", "0.0000001"):
             explorer.type_into(label, text)
-            left = explorer.field(label).input_value()
-            assert left == "" or low <= float(left) <= high, f"{label} {left} after {text!r}"
+            its = values[label]
+            explorer.wait_until(
+                f"the field {label} to show the value after {text!r}",
+                lambda field=field, its=its: (
+                    field.input_value() != "" and float(field.input_value()) == its(explorer.state())
+                ),
+            )
+            assert low <= its(explorer.state()) <= high
+            if sliders.count():
+                explorer.wait_until(
+                    "the slider", lambda label=label, its=its: explorer.slider_value(label) == its(explorer.state())
+                )
         if label == "Most iterations":
             explorer.type_into(label, "100")  # or every change that follows takes seconds
             explorer.wait_until("more than one iteration", lambda: explorer.last_iteration() > 1)  # or Next is the last

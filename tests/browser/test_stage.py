@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ido.types import FloatArray
 from ido_viz.canvas.pane import PANE_OFFSETS
+from ido_viz.core import history
 from ido_viz.core.geometry import VIEW_DIRECTION, upright
 from ido_viz.core.state import NO_CAMERA, NO_START
 
@@ -67,6 +68,17 @@ def drag(explorer: Explorer, start: tuple[float, float], by: tuple[float, float]
     mouse.move(start[0] + by[0], start[1] + by[1], steps=6)
     explorer.pause(100)
     mouse.up()
+
+
+def test_a_drag_is_one_change_however_slow(open_explorer: OpenExplorer, monkeypatch: pytest.MonkeyPatch):
+    for limit in ("AT_ONCE", "OF_ONE_HAND"):
+        monkeypatch.setattr(history, limit, 0.0)  # without the hand, every value is a change
+    explorer = open_explorer(AT_THE_START)
+    before = explorer.state().perturbation
+    dragged = explorer.drag("Noise", 0.9, 0.1, 0.7, steps=3)
+    explorer.wait_until("the noise", lambda: explorer.state().perturbation.noise == dragged != before.noise)
+    explorer.page.keyboard.press("Control+z")
+    explorer.wait_until("what was before", lambda: explorer.state().perturbation == before)
 
 
 def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenExplorer):

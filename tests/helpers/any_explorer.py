@@ -67,7 +67,7 @@ def numbers_of(state: State) -> Numbers:
                 f"{side.scores.rmse[k]:.4f}",
                 f"{side.scores.rotation[k]:.2f}°",
                 f"{side.scores.translation[k]:.4f}",
-                "moving" if k < n else str(side.trajectory.stop),
+                "not yet" if k < n else str(side.trajectory.stop),
             )
         )
     names = ("Iteration", "Next update", "PointAcc", "PointRMSE", "Rotation error", "Translation error", "Stops")

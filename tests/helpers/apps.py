@@ -9,6 +9,7 @@ import pytest
 from ido_viz import requests
 from ido_viz.app import App
 from ido_viz.core.state import State
+from ido_viz.serving import values
 
 
 @pytest.fixture(scope="session")
@@ -28,5 +29,6 @@ def app_for() -> Iterator[Callable[[State], App]]:
 
 @pytest.fixture(autouse=True)
 def no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Prepared pages play at once."""
+    """Prepared pages play at once, and numbers are soon at rest."""
     monkeypatch.setattr(requests, "FIRST_LOOK", 0.1)
+    monkeypatch.setattr(values, "AT_REST", 0.5)

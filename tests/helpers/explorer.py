@@ -52,6 +52,10 @@ READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
 )"""  # at once: the table is replaced many times a second
 
+AFTER_WHAT_IS_DUE = """() => new Promise(
+    done => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done)))
+)"""  # all that was asked for the next frame has been done, and taken over
+
 OpenExplorer = Callable[..., "Explorer"]
 """Opens a page; see `conftest.open_explorer`."""
 
@@ -147,7 +151,7 @@ class Explorer(AnyExplorer):
     def step(self) -> str | None:
         """Where the lesson is, in words; None when there is none."""
         shown = self.page.locator(".lesson")
-        return shown.inner_text().split(" · ")[-1] if shown.count() else None
+        return shown.inner_text().split(" · ")[0] if shown.count() else None
 
     # What can be done
 
@@ -185,8 +189,9 @@ class Explorer(AnyExplorer):
         for share in shares:
             self.page.mouse.move(track["x"] + share * track["width"], y, steps=steps)
         self.page.mouse.up()
+        self.page.evaluate(AFTER_WHAT_IS_DUE)  # the thumb goes to the mouse when the page is painted next
         seen: list[float] = []
-        while len(seen) < 2 or seen[-1] != seen[-2]:  # a busy page takes a while to follow
+        while len(seen) < 2 or seen[-1] != seen[-2]:
             self.pause()
             seen.append(self.slider_value(label))
         return seen[-1]

@@ -62,6 +62,19 @@ class Widgets:
         self.written.append(content)
 
 
+class Noted(threading.Condition):
+    """A condition that tells whether somebody waits for it."""
+
+    is_awaited = False
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.is_awaited = True
+        try:
+            return super().wait(timeout)
+        finally:
+            self.is_awaited = False
+
+
 class Tab:
     """A browser tab as its session knows it, with widgets that hold values, and a person who uses them."""
 
@@ -80,6 +93,7 @@ class Tab:
         self.actions = cast(Actions, None)
         self.last_sign_of_life = time.perf_counter()
         self.session = Session(cast(viser.ClientHandle, self), library or shipped_library(), state)
+        self.session._awake = self._awake = Noted()
         self.session.start()
 
     def atomic(self) -> AbstractContextManager[None]:
@@ -112,8 +126,14 @@ class Tab:
         """Wait until nothing more is drawn; the last frame."""
         self.wait("a first frame", lambda: bool(self.frames))
         self.last_sign_of_life = time.perf_counter()
-        self.wait("calm", lambda: time.perf_counter() - self.last_sign_of_life > QUIET)
+        self.wait("calm", lambda: time.perf_counter() - self.last_sign_of_life > QUIET and self.is_at_rest)
         return self.shown
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether all that was asked for is drawn, but for what is computed beside it."""
+        with self._awake:
+            return self._awake.is_awaited and not self.session._dirty
 
     @property
     def is_served(self) -> bool:

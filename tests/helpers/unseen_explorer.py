@@ -92,7 +92,7 @@ class UnseenExplorer(AnyExplorer):
     def step(self) -> str | None:
         """Where the lesson is, in words; None when there is none."""
         shown = self.elements(".lesson", "lesson")
-        return shown[0].get_text().strip().split(" · ")[-1] if shown else None
+        return shown[0].get_text().strip().split(" · ")[0] if shown else None
 
     def slider_value(self, label: str) -> float:
         """Where a slider's thumb is."""
@@ -174,8 +174,8 @@ class UnseenExplorer(AnyExplorer):
 
     def upload(self, button: str, name: str, content: bytes) -> None:
         """Choose a file for a button that takes one."""
+        self.wait_until(f"{button} to be ready", lambda: not self._tab.seen("label", button)[0].get("disabled"))
         (props,) = self._tab.seen("label", button)
-        assert not props.get("disabled"), f"{button} cannot be pressed"
         transfer = {"source_component_uuid": props["uuid"], "transfer_uuid": uuid.uuid4().hex}
         size = {"part_count": 1, "size_bytes": len(content)}
         self._do(self._tab.send(type="FileTransferStartUpload", filename=name, mime_type="", **transfer, **size))

@@ -5,15 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
-from tab import LENGTH, PAUSED, Drawn, Tab
+from tab import LENGTH, PAUSED, Drawn, PageOfTab, Tab
 
 from ido import Perturbation
 from ido.types import FloatArray
-from ido_viz import requests, session
+from ido_viz import live_state, requests, session
 from ido_viz.core.state import LAST, NO_CAMERA, NO_START
 
 REPLAYING = replace(PAUSED, replay=True, iteration=LAST, speed=60)
@@ -57,6 +58,21 @@ def test_a_page_that_is_never_seen_plays_all_the_same(open_tab: OpenTab, monkeyp
     tab = open_tab(PLAYING, calm=False)
     played(tab)
     assert next(frame for frame in tab.frames if frame.iteration > 0).at - tab.frames[0].at > 0.4
+
+
+def test_a_page_that_is_seen_before_its_first_frame_plays_no_later(open_tab: OpenTab, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(session, "FIRST_LOOK", 0.3)
+    built = PageOfTab.__init__
+
+    def seen_at_once(page: PageOfTab, tab: Tab, *rest: Any) -> None:
+        built(page, tab, *rest)
+        tab.actions.seen()
+
+    monkeypatch.setattr(PageOfTab, "__init__", seen_at_once)
+    tab = open_tab(PLAYING, calm=False)
+    played(tab)
+    waited = next(frame for frame in tab.frames if frame.iteration > 0).at - tab.frames[0].at
+    assert 0.2 < waited < session.UNSEEN / 2
 
 
 def test_a_page_that_is_seen_late_does_not_start_what_a_person_has_stopped(
@@ -146,13 +162,14 @@ def test_what_leaves_the_scene_as_it_is_does_not_play(open_tab: OpenTab, change:
     assert not any(frame.held for frame in tab.frames)
 
 
-def test_a_person_who_steps_or_pauses_while_it_waits_is_obeyed(open_tab: OpenTab):
+def test_a_person_who_steps_or_pauses_while_it_waits_is_obeyed(open_tab: OpenTab, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(live_state, "AFTER_A_CHANGE", wait := 2.0)
     for act, expected in ((lambda tab: tab.actions.step(1), 1), (lambda tab: tab.actions.play(), 0)):
         tab = open_tab(REPLAYING)
         tab.set(rotation=50.0)
         tab.wait("the start", lambda tab=tab: tab.shown.held)
         act(tab)
-        time.sleep(requests.AFTER_A_CHANGE)
+        time.sleep(wait)
         shown = tab.settle()
         assert (shown.iteration, shown.state.playing, shown.held) == (expected, False, False)
 
@@ -243,13 +260,19 @@ def test_a_drag_is_one_change_and_a_change_long_after_another(tab: Tab):
     assert tab.settle().state == PAUSED
 
 
-def test_where_nothing_was_changed_nothing_is_taken_back(tab: Tab):
+def test_where_nothing_was_changed_nothing_is_taken_back_and_it_is_said(tab: Tab):
     tab.actions.step(3)
     tab.settle()
     tab.actions.undo()
     tab.actions.redo()
     assert tab.settle().state == replace(PAUSED, iteration=3)
-    assert tab.notes == []
+    assert [note.partition(":")[0] for note in tab.notes] == ["There is nothing to undo", "There is nothing to redo"]
+    tab.set(rotation=50.0)
+    tab.settle()
+    tab.actions.undo()
+    tab.actions.redo()
+    assert len(tab.notes) == 2
+    assert tab.settle().state.perturbation.rotation == 50
 
 
 def test_undo_does_not_play(open_tab: OpenTab):

@@ -120,6 +120,27 @@ def test_a_widget_moved_just_after_a_button_is_not_lost(tab: Tab, computing: Com
     assert tab.widgets.perturbation == shown
 
 
+def test_a_widget_moved_while_another_shape_is_computed_is_not_lost(tab: Tab, computing: Computing):
+    computing.go.clear()
+    computing.states.clear()
+    tab.set(shape="urban")
+    tab.wait("computing", lambda: len(computing.states) == 1)
+    tab.set(outliers=50)
+    computing.go.set()
+    shown = tab.settle().state
+    assert (shown.shape, shown.perturbation.outliers) == ("urban", 50)
+    assert tab.widgets.perturbation == shown.perturbation
+
+
+def test_a_widget_moved_and_not_yet_told_of_is_not_written_over_by_a_button(tab: Tab):
+    tab.settle()
+    tab.widgets = replace(tab.widgets, perturbation=replace(tab.widgets.perturbation, outliers=50))
+    tab.actions.new_seed()
+    shown = tab.settle().state.perturbation
+    assert shown.outliers == 50
+    assert tab.widgets.perturbation == shown
+
+
 def test_what_does_not_change_the_run_is_drawn_without_computing(tab: Tab, computing: Computing):
     computing.states.clear()
     tab.set(dark=True, order="azimuth", difference=True, ghost=False, pinned_map=15, speed=60)

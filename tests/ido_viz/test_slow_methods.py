@@ -17,6 +17,7 @@ from ido.baselines.baseline import Record
 from ido.methods import BASELINES
 from ido.types import DoubleArray
 from ido_viz.core.library import shipped_library
+from ido_viz.core.live_run import LiveRun
 from ido_viz.core.run import compute
 from ido_viz.core.state import State
 
@@ -113,6 +114,22 @@ def test_both_panes_set_out_together(open_tab: Callable[..., Tab]) -> None:
     Slow.go.set()
     tab.wait("the end of the playing", lambda: not tab.shown.state.playing)
     assert tab.shown.iteration == tab.shown.run.iterations
+
+
+def test_two_slow_methods_are_played_once_they_are_there(open_tab: Callable[..., Tab]) -> None:
+    tab = begin(open_tab, replace(SLOW, right="ICP, tuned", playing=True, speed=60))
+    tab.wait("work told", lambda: "iteration" in tab.shown.run.sides[0].waiting)
+    Slow.go.set()
+    tab.wait("the end of the playing", lambda: not tab.shown.state.playing)
+    assert tab.shown.iteration == tab.shown.run.iterations > 0
+
+
+def test_a_page_that_comes_back_begins_anew_what_was_given_up(tab: Tab) -> None:
+    live = LiveRun(shipped_library(), lambda: None)
+    assert live.begin(SLOW) and not live.begin(SLOW)
+    live.close()
+    assert not live.waiting and live.begin(SLOW) and live.waiting
+    live.close()
 
 
 def test_a_failing_method_says_so_and_the_rest_goes_on(

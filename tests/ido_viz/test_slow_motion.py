@@ -9,7 +9,7 @@ import pytest
 from tab import PAUSED, Tab
 
 from ido_viz import session
-from ido_viz.core.state import BEATS, NO_POINT
+from ido_viz.core.state import BEATS, LAST, NO_POINT
 
 OpenTab = Callable[..., Tab]
 
@@ -44,6 +44,25 @@ def test_play_goes_on_with_the_next_iteration_and_next_leaves(open_tab: OpenTab)
     tab.actions.step(1)
     state = tab.settle().state
     assert (state.iteration, state.inside, state.playing) == (4, 0, False)
+
+
+def test_after_the_last_iteration_it_plays_from_the_start(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=LAST, speed=60))
+    tab.actions.look_inside()
+    at_its_end(tab)
+    tab.actions.play()
+    tab.wait("the end of the run", lambda: tab.shown.state.iteration == LAST and not tab.shown.state.playing)
+    assert tab.settle().state.inside == 0
+
+
+@pytest.mark.parametrize("leave", [lambda tab: tab.actions.look_inside(), lambda tab: tab.actions.jump(0)])
+@pytest.mark.parametrize("picked", [NO_POINT, 7])
+def test_the_point_that_it_has_chosen_itself_goes_with_it(open_tab: OpenTab, leave: Callable[[Tab], None], picked: int):
+    tab = open_tab(replace(PAUSED, iteration=1, inspected=picked))
+    tab.actions.to_beat(2.5)
+    assert tab.settle().state.inspected != NO_POINT
+    leave(tab)
+    assert tab.settle().state.inspected == picked
 
 
 def test_a_beat_that_is_dragged_to_is_held(open_tab: OpenTab):

@@ -11,7 +11,7 @@ import pytest
 from any_explorer import AT_THE_END
 from unseen_explorer import OpenUnseen, UnseenExplorer
 
-from ido import Cloud
+from ido import Cloud, Model, TrainingSettings, TripleBinary, train
 from ido_viz.app import App
 from ido_viz.own.workshop import Workshop
 
@@ -51,3 +51,19 @@ def test_while_a_file_is_read_the_draft_before_cannot_be_trained_and_a_bad_file_
     explorer.upload("Upload a cloud", "third.xyz", b"no numbers")
     explorer.wait_until("what is wrong", lambda: explorer.says("This file cannot be used."))
     assert "Train" in explorer.buttons() and explorer.value("Name") == "second"
+
+
+def test_the_menu_of_kept_clouds_stands_on_the_one_that_the_panes_show(
+    its_explorer: UnseenExplorer, bunny: Cloud, tmp_path: Path
+):
+    explorer = its_explorer
+    train(bunny, TripleBinary(Model.of(bunny, 64)), TrainingSettings(samples=60, maps=2)).save(tmp_path / "maps.npz")
+    for name in ("first", "second"):
+        explorer.upload("Import maps (.npz)", f"{name}.npz", (tmp_path / "maps.npz").read_bytes())
+        explorer.wait_until("it", lambda name=name: explorer.value("Cloud") == name)
+    for shape in ("first", "second", "first"):
+        explorer.choose("Shape", shape)
+        explorer.wait_until("the panes' cloud", lambda shape=shape: explorer.value("Cloud") == shape)
+    explorer.choose("Shape", "bunny")
+    explorer.wait_until("the bunny", lambda: explorer.state().shape == "bunny")
+    assert explorer.value("Cloud") == "first"

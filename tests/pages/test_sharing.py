@@ -77,6 +77,17 @@ def test_a_page_with_a_map_that_its_methods_lack_appears_and_shows_their_last(op
     assert explorer.notifications() == []
 
 
+def test_where_the_scores_are_hidden_their_tabs_say_so(explorer: UnseenExplorer):
+    explorer.open_tab("Compare")
+    explorer.wait_until("what the tab is for", lambda: explorer.says("Every method and setting on the scene"))
+    assert not explorer.says("The scores are hidden")
+    explorer.tick("Hide scores")
+    for tab in ("Errors", "Compare", "Basin", "Sweeps"):
+        explorer.open_tab(tab)
+        explorer.wait_until(f"a word in {tab}", lambda: explorer.says("The scores are hidden"))
+        assert not explorer.says("Every method and setting on the scene")
+
+
 def test_the_address_is_kept_where_the_share_folder_is_hidden(open_unseen: OpenUnseen):
     hidden = replace(AT_THE_END, hidden=("share",))
     explorer = open_unseen(hidden)

@@ -51,6 +51,17 @@ def test_undo_takes_back_exactly_one_change_and_redo_makes_it_again(change: dict
     assert changed.undone().redone().undone().now == BEGUN
 
 
+def test_what_one_gesture_does_is_one_change_however_long_it_takes():
+    history = History(BEGUN)
+    for number, gesture in enumerate((1, 1, 1, 2, 2, 0), start=1):
+        history = history.with_state(noisy(number / 100), number * APART, gesture)
+    back = []
+    while history.before:
+        history = history.undone()
+        back.append(history.now)
+    assert back == [noisy(0.05), noisy(0.03), BEGUN]
+
+
 def test_many_changes_are_taken_back_and_made_again_in_their_order():
     states = [noisy(n / 100) for n in range(1, 6)]
     history = after(states)
@@ -106,7 +117,13 @@ def test_what_was_taken_back_is_lost_after_another_change():
 
 
 @pytest.mark.parametrize(
-    "moved", [{"iteration": 7}, {"iteration": LAST, "playing": True}, {"camera": (0.0, -1.0, 0.3, 0.0, 0.0, 0.0)}]
+    "moved",
+    [
+        {"iteration": 7},
+        {"iteration": LAST, "playing": True},
+        {"camera": (0.0, -1.0, 0.3, 0.0, 0.0, 0.0)},
+        {"inside": 2.5},
+    ],
 )
 def test_playing_stepping_and_looking_around_is_no_change(moved: dict[str, Any]):
     history = after([noisy(0.01)])

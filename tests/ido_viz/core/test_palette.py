@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ido.experiments.families import COMPARED_METHODS
+from ido import HISTOGRAMS, Block
+from ido.experiments.families import COMPARED_METHODS, FAMILIES
 from ido_viz.core import palette
 from ido_viz.core.library import shipped_library
 from ido_viz.core.palette import Color
@@ -19,6 +20,16 @@ LIBRARY = shipped_library()
 READABLE = 4.5  # WCAG 2.2, AA
 NAMES = {name for shape in LIBRARY.subjects for name in LIBRARY.methods(shape)} | {"Point to plane", "<b>", "我的", ""}
 colors = st.tuples(*[st.integers(0, 255)] * 3)
+
+
+def lab(color: Color) -> np.ndarray:
+    """L*, a*, b* of an sRGB colour, white as on screens (IEC 61966-2-1 and CIE 15)."""
+    share = np.array(color) / 255
+    linear = np.where(share > 0.04045, ((share + 0.055) / 1.055) ** 2.4, share / 12.92)
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    xyz = to_xyz @ linear / [0.9505, 1.0, 1.089]
+    x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
 
 
 def wcag_contrast(one: Color, other: Color) -> float:
@@ -76,8 +87,17 @@ def test_no_method_looks_like_the_true_place_or_what_is_picked(name: str, dark: 
         assert np.abs(np.subtract(palette.method_color(name, dark), reserved)).max() > 25
 
 
+def test_no_block_looks_like_the_true_place_or_what_has_arrived():
+    blocks = {block for histogram in HISTOGRAMS.values() for block in histogram.blocks} | {Block("one", "other")}
+    colors = {palette.block_color(block, number) for block in blocks for number in range(4)}
+    for one, reserved in product(colors, (palette.GHOST, palette.ARRIVED, palette.MARK)):
+        assert np.linalg.norm(lab(one) - lab(reserved)) > 20, one
+
+
 def test_a_method_keeps_its_colour_and_own_ones_get_one_too():
     own = {palette.method_color(f"Method {n}") for n in range(40)}
     assert len(own) == 4
     assert palette.method_color("Method 1") == palette.method_color("Method 1")
-    assert not own & {palette.method_color(name) for name in COMPARED_METHODS}
+    for one in own:
+        for other in {palette.method_color(family.main) for family in FAMILIES} | own - {one}:
+            assert np.linalg.norm(lab(one) - lab(other)) > 20, (one, other)  # 2.3 can just be told apart

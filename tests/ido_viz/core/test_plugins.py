@@ -241,9 +241,14 @@ class Shapeless(Narrow):
         return np.ones(3)
 
 
+def forgets_to_return(_: Cloud) -> None:
+    pass
+
+
 @pytest.mark.parametrize(
     ("broken", "told", "traced"),
     [
+        (forgets_to_return, "OwnError: forgets_to_return returns nothing; it must return a method", "_made"),
         (BrokenMaking, "RuntimeError: no <b>luck</b>", "in __init__"),
         (BrokenUpdate, "ValueError: operands", "in update"),
         (NotFinite, "OwnError: Mine: update 1 is not finite", "nan"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from tab import PAUSED, Computing, Tab
 
+from ido_viz.core.history import AT_ONCE, OF_ONE_HAND
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.own.kept import Kept
 from ido_viz.own.shelf import Shelf
@@ -61,6 +63,23 @@ def test_undo_does_not_lead_back_to_a_deleted_shape(tab: Tab, shelf: Shelf):
     tab.actions.undo()
     assert tab.settle().state.shape == "bunny"
     assert all(note.startswith("This cloud is gone") for note in tab.notes)
+
+
+def test_what_was_done_before_a_deleted_shape_was_shown_is_undone_behind_it(tab: Tab, shelf: Shelf):
+    tab.set(shape="bunny")
+    for change in ({"noise": 0.08}, {"shape": "tiny"}):
+        tab.settle()
+        time.sleep(AT_ONCE)  # or it would be one with the change before
+        tab.set(**change)
+    tab.settle()
+    time.sleep(OF_ONE_HAND)
+    shelf.withdraw("tiny")
+    tab.wait("another shape", lambda: tab.shown.state.shape == "bunny")
+    noises = []
+    for _ in range(2):
+        tab.actions.undo()
+        noises.append(tab.settle().state.perturbation.noise)
+    assert noises == [0.08, PAUSED.perturbation.noise]
 
 
 def test_a_shape_that_cannot_have_the_shown_methods_brings_its_own(tab: Tab):

@@ -8,6 +8,7 @@ from ido import Cloud, Model
 from ido_viz.own import plans
 from ido_viz.own.draft import Draft
 from ido_viz.own.plans import FEWEST_SCENES, PLANS, Cost, in_words, measured_cost, time_left
+from ido_viz.own.train_folder import estimate_text
 
 FAST, USUAL, SLOW = Cost(1e-6, 1e-6, 1e-4), Cost(4e-4, 3e-4, 0.5), Cost(1e-2, 1e-2, 10.0)
 
@@ -19,6 +20,16 @@ def test_a_plan_uses_its_time_and_does_not_exceed_it(name: str):
     settings = plan.settings(USUAL, 45.0, 0.2)
     assert 0.5 * plan.limit < USUAL.seconds(settings) <= 0.8 * plan.limit
     assert (settings.rotation, settings.translation, settings.maps) == (45.0, 0.2, plan.maps)
+
+
+def test_the_fewer_scenes_the_stronger_is_the_first_ridge():
+    quick, slow, paper = (
+        PLANS[n].settings(c, 90.0, 0.3) for n, c in (("quick", USUAL), ("quick", SLOW), ("paper", USUAL))
+    )
+    for settings in (quick, slow, paper):
+        assert settings.first_ridge is not None
+        assert settings.first_ridge * settings.samples == pytest.approx(2e-4 * 30_000)
+        assert settings.ridge == 2e-4
 
 
 def test_plans_have_their_bounds_on_any_machine():
@@ -58,3 +69,11 @@ def test_the_time_left_starts_as_expected_comes_to_what_is_measured_and_ends_wit
 )
 def test_times_are_said_no_more_exactly_than_they_are_known(seconds: float, words: str):
     assert in_words(seconds) == words
+
+
+def test_a_training_that_will_not_be_done_in_its_time_says_so_beforehand():
+    settings = PLANS["quick"].settings(SLOW, 90.0, 0.3)
+    late = estimate_text(settings, SLOW.seconds(settings), 30.0)
+    assert SLOW.seconds(settings) > 30 and "<b>30 s</b> it ends" in late
+    for seconds, limit in ((29.0, 30.0), (500.0, None)):
+        assert "ends" not in estimate_text(settings, seconds, limit)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ido import StopReason
+from ido_viz.core import palette
 from ido_viz.core.frame import Frame, frame_of
 from ido_viz.core.legend import legend_html
 from ido_viz.core.library import shipped_library
@@ -52,7 +53,7 @@ def test_a_name_is_shown_as_it_is(run: Run, name: str):
     assert name not in captions_html(frame)
     left, right = texts(frame, "names")
     assert left.startswith(name)
-    assert right.endswith(f"iteration 12 of 12, with {name}")
+    assert right.endswith(f"12 of 12, with {name}")
 
 
 def test_a_long_name_stays_short(run: Run):
@@ -87,11 +88,12 @@ def test_the_verdict_is_told_with_its_reason(run: Run, accuracy: float, words: s
         assert (away in text) == (accuracy < 0.95)
 
 
-def test_on_the_way_nothing_is_said_of_the_place(run: Run):
-    frame = frame_of(ending_with(run, 0.0), replace(AT_THE_END, iteration=3))
+@pytest.mark.parametrize(("iteration", "words"), [(0, "→ at its start"), (3, "→ moving")])
+def test_on_the_way_nothing_is_said_of_the_place(run: Run, iteration: int, words: str):
+    frame = frame_of(ending_with(run, 0.0), replace(AT_THE_END, iteration=iteration))
     for text, side in zip(texts(frame, "verdicts"), run.sides, strict=True):
-        assert text.startswith("→ moving")
-        assert text.endswith(f"{round(100 * side.scores.accuracy[3])}% arrived")
+        assert text.startswith(words)
+        assert text.endswith(f"{round(100 * side.scores.accuracy[iteration])}% arrived")
 
 
 def test_a_held_scene_shows_how_it_will_end(run: Run):
@@ -128,7 +130,7 @@ def test_nothing_is_told_of_scores_that_are_hidden(run: Run, iteration: int, hel
     frame = frame_of(run, replace(AT_THE_END, iteration=iteration, hidden=("scores",)), held=held)
     assert texts(frame, "verdicts") == []
     written = re.sub(r"<[^>]*>", " ", captions_html(frame))
-    for word in ("arrived", "place ", "pose", "moving", "%", StopReason.MAX_ITERATIONS):
+    for word in ("arrived", "place ", "pose", "moving", "start", "%", StopReason.MAX_ITERATIONS):
         assert word not in written
     assert len(texts(frame, "names")) == 2
 
@@ -140,3 +142,20 @@ def test_the_legend_names_what_is_seen(run: Run):
     bare = replace(AT_THE_END, ghost=False, hidden=("scores",))
     less = re.sub(r"<[^>]*>", "", legend_html(frame_of(run, bare)))
     assert "arrived" not in less and "where it belongs" not in less
+
+
+def test_the_legend_names_the_colours_of_what_is_looked_into(run: Run):
+    state = replace(AT_THE_END, iteration=3, inspected=5, inspected_pane="right")
+    for question in run.sides[1].histogram.questions:
+        written = legend_html(frame_of(run, replace(state, question=question.name)))
+        for side, color in zip(
+            question.sides,
+            (palette.block_color(question, run.sides[1].histogram.blocks.index(question)), palette.ink(False)),
+            strict=True,
+        ):
+            assert f'<span style="color:{palette.css(color)}">●</span> {side}' in written
+        assert "for model point 5" in written
+    nothing = legend_html(frame_of(run, AT_THE_END))
+    for coloring, less, more in (("towards the truth", "astray", "right way"), ("φx", "takes away", "adds")):
+        written = legend_html(frame_of(run, replace(AT_THE_END, coloring=coloring)))
+        assert less in written and more in written and less not in nothing

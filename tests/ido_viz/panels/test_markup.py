@@ -117,7 +117,7 @@ def test_the_readout_holds_the_numbers_of_each_side(run: Run):
     assert rows["PointRMSE"] == [f"{side.scores.rmse[iteration]:.4f}" for side in both]
     assert rows["Rotation error"] == [f"{side.scores.rotation[iteration]:.2f}°" for side in both]
     assert rows["Translation error"] == [f"{side.scores.translation[iteration]:.4f}" for side in both]
-    assert rows["Stops"] == ["moving", "moving"]
+    assert rows["Stops"] == ["not yet", "not yet"]
 
 
 def test_at_the_iteration_limit_there_is_no_next_update(run: Run):

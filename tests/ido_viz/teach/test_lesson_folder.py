@@ -13,9 +13,10 @@ from checks.helpers import run_of
 
 from ido_viz.core.actions import Actions
 from ido_viz.core.frame import frame_of
-from ido_viz.core.state import NO_CAMERA, State
+from ido_viz.core.state import LAST, NO_CAMERA, State
 from ido_viz.teach.lesson_folder import NONE, LessonFolder
 from ido_viz.teach.lessons import Lesson, lesson, lessons
+from ido_viz.teach.presenter import WATCH
 from ido_viz.teach.presets import presets
 
 DEFAULT = State()
@@ -50,6 +51,10 @@ class Student:
 
     def draw(self) -> None:
         self.folder.draw(frame_of(run_of(self.page), self.page))
+
+    def play_to_the_end(self) -> None:
+        ended = replace(self.page, playing=False, iteration=LAST)
+        self.folder.draw(frame_of(run_of(ended), ended))
 
     def _send(self, handle: Any, value: str | None) -> None:
         handle._impl.value = value
@@ -107,6 +112,20 @@ def student(server: viser.ViserServer) -> Iterator[Callable[..., Student]]:
     server.gui.reset()
 
 
+def test_an_answer_is_told_early_to_whoever_goes_on(student: Callable[..., Student]):
+    each = next(each for each in lessons() if each.steps[0].guess is not None and each.steps[0].guess.state.playing)
+    guess = each.steps[0].guess
+    assert guess is not None
+    at_desk = student()
+    at_desk.choose(each.title)
+    at_desk.press("Next")
+    assert at_desk.text == WATCH
+    at_desk.press("Next")
+    assert at_desk.text == guess.text
+    at_desk.press("Next")
+    assert at_desk.text == each.steps[1].text
+
+
 def test_nothing_is_opened_or_said_before_a_lesson_is_chosen(student: Callable[..., Student]):
     at_desk = student()
     assert at_desk.folder._menu.value == NONE
@@ -129,8 +148,11 @@ def test_a_student_walks_through_every_lesson(student: Callable[..., Student], e
         assert len(at_desk.offered) == (step.control is not None or step.guess is not None)
         if step.guess is not None:
             at_desk.guess(step.guess.right)
-            assert at_desk.text == "**Yes.** " + step.guess.text
             assert at_desk.page == step.guess.state
+            if step.guess.state.playing:
+                assert at_desk.text == WATCH
+                at_desk.play_to_the_end()
+            assert at_desk.text == "**Yes.** " + step.guess.text
         at_desk.press("Next")
     assert each.title in at_desk.text
     assert at_desk.sweeps == [step.sweep for step in each.steps if step.sweep is not None]
@@ -141,8 +163,8 @@ def test_a_student_walks_through_every_lesson(student: Callable[..., Student], e
 def test_what_was_tried_is_put_back_and_what_plays_plays_on(student: Callable[..., Student]):
     at_desk, outliers = student(), lesson("outliers")
     at_desk.choose(outliers.title)
-    for _ in range(6):
-        at_desk.press("Next")  # the page of the sixth step plays
+    while "Step 6 of" not in at_desk.at:
+        at_desk.press("Next")
     playing = outliers.steps[5].state
     assert at_desk.page == playing == outliers.steps[6].state
     at_desk.page = replace(playing, iteration=9)

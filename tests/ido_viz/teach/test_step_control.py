@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterator
 from dataclasses import replace
 from types import SimpleNamespace
@@ -9,6 +10,7 @@ from typing import Any, cast
 
 import pytest
 import viser
+from headless import run
 
 from ido import RANGES
 from ido_viz.core.actions import Actions
@@ -46,9 +48,16 @@ class Desk:
         (self.widget,) = cast(Any, self.folder)._children.values()
 
     def use(self, value: Any = None) -> None:
+        """Use it as a browser does: what is no coroutine has its turn when a frame of before has been drawn."""
         self.widget._impl.value = value
-        for callback in self.widget._impl.update_cb:
-            callback(SimpleNamespace(target=self.widget, client=object()))
+        event = SimpleNamespace(target=self.widget, client=object())
+        callbacks = self.widget._impl.update_cb
+        for callback in filter(inspect.iscoroutinefunction, callbacks):
+            run(callback(event))
+        self.view.follow(State())
+        for callback in callbacks:
+            if not inspect.iscoroutinefunction(callback):
+                callback(event)
 
 
 @pytest.mark.parametrize(
