@@ -105,7 +105,7 @@ class PaneView:
         self._root.visible = shown
 
     def draw(self, frame: Frame) -> None:
-        """Draw the pane's side of a frame, and what is looked into; of the other side, the picked point alone."""
+        """Draw the pane's side of a frame, and what is looked into; of the other side, the picked points alone."""
         run, state, side = frame.run, frame.state, frame.sides[self._pane]
         inside = frame.inside if side is frame.inspected else None
         inspection = side.inspection if side is frame.inspected and (inside is None or inside.asks) else None
@@ -189,7 +189,9 @@ class PaneView:
             partner = None if one is None else inspection.moved[one]
             color = color if question is None else question_color(side.run, question)
         elif side.marked != NO_POINT:
-            point = frame.picked
+            point, other = frame.picked, frame.picked_scene_point
+            if other is not None:
+                (partner,) = poses.transform(side.T_model_scene, frame.run.scene.points[[other]])
         named = inside is not None and point is not None
         self._diagram.draw(side.run.histogram.model, point, question, color, partner, named=named)
         answers = None if inspection is None else inspection.answers

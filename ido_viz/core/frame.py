@@ -111,6 +111,12 @@ class Frame:
         return self.inspected.inspection.point
 
     @property
+    def picked_scene_point(self) -> int | None:
+        """The one scene point that the picked model point is asked about; None for none, or all."""
+        seen = None if self.picked is None else self.inspected.inspection
+        return None if seen is None else seen.scene_point
+
+    @property
     def asked(self) -> tuple[int, Question] | None:
         """The model point of the inspected side that colours its scene, and its question; None for none."""
         if self.inside is not None:

@@ -24,26 +24,35 @@ _SIGNS = {
     Verdict.CANCELLED: "–",
 }
 
+_OPENING = (
+    "Each method turns and moves the coloured scene, step by step, until it lies on the grey model.<br>"
+    "Drag a slider, or the scene itself, to make it harder."
+)
+
 # The canvas is an anchor, so that what is written stays on it whatever is docked beside it; where a browser knows no
 # anchors, it lies over the window's middle. Heights are fixed: nothing moves when a text changes.
 _STYLE = """<style>
 canvas[data-engine] { anchor-name: --canvas; }
 .over-canvas { position: fixed; position-anchor: --canvas; left: 25%; right: 30%; z-index: 5; pointer-events: none;
-  display: flex; overflow: hidden; }
+  display: flex; overflow: hidden;
+  text-shadow: 0 0 0.2em var(--mantine-color-body), 0 0 0.4em var(--mantine-color-body); }
 @supports (left: anchor(left)) { .over-canvas { left: anchor(left); right: anchor(right); } }
 .names { top: 0.6rem; height: 3.4rem; }
+.opening { top: 4.2rem; height: 3.4rem; }
 .verdicts { bottom: 1.9rem; height: 4.1rem; }
 .sureness { bottom: 5.9rem; height: 6rem; align-items: flex-end; }
 .legend { bottom: 0.5rem; height: 1.2rem; justify-content: center; }
 @supports (left: anchor(left)) {
   .names { top: calc(anchor(top) + 0.6rem); }
+  .opening { top: calc(anchor(top) + 4.2rem); }
   .verdicts { bottom: calc(anchor(bottom) + 1.9rem); }
   .sureness { bottom: calc(anchor(bottom) + 5.9rem); }
   .legend { bottom: calc(anchor(bottom) + 0.5rem); }
 }
 .over-canvas > div { flex: 1 1 0; min-width: 0; text-align: center; line-height: 1.35; padding: 0 0.4rem;
   white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
-.over-canvas.sureness > div { white-space: normal; }
+.over-canvas.sureness > div, .over-canvas.opening > div { white-space: normal; }
+body:has(.lesson) .opening { display: none; }
 body:has(.lesson) .verdicts { bottom: auto; top: 4rem; }
 [data-dock-group]:has(.lesson) { anchor-name: --lesson; }
 body:has(.lesson) .legend { bottom: calc(anchor(--lesson top, 0rem) + 0.5rem); }
@@ -77,10 +86,20 @@ def captions_html(frame: Frame) -> str:
     verdicts = "".join(f'<div class="verdict">{_verdict_html(side, frame)}</div>' for side in frame.sides)
     sureness = "".join(f'<div class="sure">{sureness_html(side, frame)}</div>' for side in frame.sides)
     return (
-        f'<div class="over-canvas names">{names}</div><div class="over-canvas verdicts">{verdicts}</div>'
+        f'<div class="over-canvas names">{names}</div>{_opening_html(frame)}'
+        f'<div class="over-canvas verdicts">{verdicts}</div>'
         f'<div class="over-canvas sureness">{sureness}</div>'
         f'<div class="over-canvas legend">{legend_html(frame)}</div>'
     )
+
+
+def _opening_html(frame: Frame) -> str:
+    """What is about to happen, as long as nothing has."""
+    starting = all(side.verdict is Verdict.STARTING for side in frame.sides)
+    if not starting or frame.held or frame.inside is not None:
+        return ""
+    ink = palette.css(palette.ink(frame.state.dark))
+    return f'<div class="over-canvas opening"><div style="font-size:0.9rem;color:{ink}">{_OPENING}</div></div>'
 
 
 def _name_html(side: SideFrame, frame: Frame) -> str:

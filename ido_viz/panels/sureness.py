@@ -12,6 +12,7 @@ from ido_viz.core.verdict import Verdict
 
 _VERY_SURE = 0.95
 _MOST_REASONS = 2  # there is room for
+_DISAGREEING = "the verdict knows the true place, this does not"
 
 
 def sureness_html(side: SideFrame, frame: Frame) -> str:
@@ -21,10 +22,14 @@ def sureness_html(side: SideFrame, frame: Frame) -> str:
     if sure is None or not ended or frame.inside is not None or "scores" in frame.state.hidden:
         return ""
     color = palette.css(palette.text(palette.verdict_color(_like(sure)), dark))
+    verdict = side.run.verdict(side.run.trajectory.iterations)
+    lines = ["; ".join(sure.reasons[:_MOST_REASONS]) or "without knowing the truth"]
+    if (sure.probability >= SURE) != (verdict is Verdict.IN_PLACE):
+        lines.append(_DISAGREEING)
     return (
         f'<b style="font-size:1.5rem;color:{color}">{percent(sure.probability)} sure</b>'
         f'<div style="font-size:0.75rem;color:{palette.css(palette.ink(dark))}">'
-        f"{html.escape('; '.join(sure.reasons[:_MOST_REASONS]) or 'without knowing the truth')}</div>"
+        f"{'<br>'.join(map(html.escape, lines))}</div>"
     )
 
 

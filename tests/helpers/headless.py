@@ -49,6 +49,7 @@ class Widget(msgspec.Struct, frozen=True):
     options: tuple[str, ...] = ()
     min: float | None = None
     max: float | None = None
+    value: Any = None  # what it was set to since it came
     title: str | None = None
     body: str = ""
 
@@ -195,9 +196,12 @@ class HeadlessTab:
             self.charts.discard(message.uuid)
         elif message.type == "GuiUplotMessage":
             self.charts.add(message.uuid)
-        elif message.type == "GuiUpdateMessage" and "options" in message.updates and message.uuid in self.widgets:
-            options = msgspec.msgpack.decode(message.updates["options"], type=tuple[str, ...])
-            self.widgets[message.uuid] = msgspec.structs.replace(self.widgets[message.uuid], options=options)
+        elif message.type == "GuiUpdateMessage" and message.uuid in self.widgets:
+            decode = msgspec.msgpack.decode
+            news = {name: decode(raw) for name, raw in message.updates.items() if name in ("options", "value")}
+            if "options" in news:
+                news["options"] = tuple(news["options"])
+            self.widgets[message.uuid] = msgspec.structs.replace(self.widgets[message.uuid], **news)
         elif message.type.startswith("Gui") or message.type == "RegisterCommandMessage":
             widget = msgspec.msgpack.decode(message.props, type=Widget)
             if message.uuid and widget.label is not None:

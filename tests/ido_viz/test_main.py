@@ -9,6 +9,7 @@ import sys
 import time
 import webbrowser
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -29,8 +30,10 @@ def interrupted_when_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    """What the command ends with; on a thread of its own, for this one may have a browser's event loop."""
     monkeypatch.setattr(sys, "argv", ["ido-viz", *arguments])
-    return command.run()
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(command.run).result()
 
 
 @pytest.mark.usefixtures("interrupted_when_it_stands")

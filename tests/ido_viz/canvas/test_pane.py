@@ -54,6 +54,14 @@ def test_the_picked_point_lights_up_in_both_panes_and_its_question_in_one(run: R
         assert set(diagram(left)) == {"point"} < set(diagram(right))
 
 
+def test_the_picked_scene_point_lights_up_where_each_method_has_put_it(run: Run, panes: tuple[PaneView, PaneView]):
+    frame = frame_of(run, replace(PICKED, scene_point=3, iteration=2))
+    for pane, side in zip(panes, frame.sides, strict=True):
+        pane.draw(frame)
+        moved = side.T_model_scene @ np.append(run.scene.points[3], 1.0)
+        np.testing.assert_allclose(diagram(pane)["partner"].position, moved[:3], atol=1e-6)
+
+
 @pytest.mark.parametrize("changes", [{"inspected": -1}, {"right": "ICP, tuned"}], ids=["none", "of no maps"])
 def test_without_a_picked_point_nothing_lights_up(run: Run, panes: tuple[PaneView, PaneView], changes: dict[str, Any]):
     state = replace(PICKED, **changes)

@@ -124,3 +124,41 @@ def test_where_the_system_s_folder_cannot_be_made_there_are_no_own_clouds_and_a_
     with pytest.raises(OSError):
         command.data_folder(Options(data=tmp_path / "file" / "mine"))
     assert command.data_folder(Options(data=tmp_path / "mine")) == tmp_path / "mine"
+
+
+def test_what_other_servers_keep_and_delete_in_the_folder_is_found(kept: Kept, tmp_path: Path):
+    ours, theirs = Shelf(GIVEN, tmp_path), Shelf(GIVEN, tmp_path)
+    told: list[tuple[str, ...]] = []
+    ours.watch(lambda: told.append(ours.kept))
+    ours.look_again()
+    theirs.keep(kept)
+    assert ours.kept == ()
+    ours.look_again()
+    ours.look_again()
+    assert ours.kept == ("tiny",) and ours.place("tiny") == theirs.place("tiny")
+    np.testing.assert_array_equal(ours["tiny"].cloud().points, kept.cloud.points)
+    theirs.withdraw("tiny")
+    ours.look_again()
+    assert ours.kept == () and tuple(ours) == tuple(GIVEN)
+    assert told == [("tiny",), ()]
+
+
+def test_clouds_of_one_name_on_two_servers_are_both_offered(kept: Kept, tmp_path: Path):
+    ours, theirs = Shelf(GIVEN, tmp_path), Shelf(GIVEN, tmp_path)
+    for shelf in (ours, theirs):
+        shelf.keep(kept)
+    ours.look_again()
+    assert ours.kept == ("tiny", "tiny (2)")
+
+
+def test_a_file_that_cannot_be_read_is_noted_once_and_one_that_is_being_written_is_not_looked_at(
+    kept: Kept, tmp_path: Path
+):
+    shelf = Shelf(GIVEN, tmp_path)
+    (tmp_path / "damaged.npz").write_bytes(b"nothing")
+    (tmp_path / ".half.npz").write_bytes(b"no")
+    for _ in range(2):
+        shelf.look_again()
+        assert len(shelf.unreadable) == 1 and shelf.unreadable[0].startswith("damaged.npz: ")
+    shelf.keep(kept)
+    assert shelf.kept == ("tiny",)

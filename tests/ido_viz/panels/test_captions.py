@@ -37,12 +37,14 @@ def ending_with(run: Run, accuracy: float) -> Run:
 
 
 def texts(frame: Frame, kind: str) -> list[str]:
-    """What is written in each pane, as text: its names or its verdicts."""
-    content = captions_html(frame)
-    _, names, verdicts, sureness, legend = content.split('<div class="over-canvas ')
-    part = {"names": names, "verdicts": verdicts, "sureness": sureness, "legend": legend}[kind]
-    panes = part.split(">", 1)[1].split("</div>")
-    return [html.unescape(re.sub(r"<[^>]*>", " ", pane)).strip() for pane in panes if "<b" in pane or kind == "legend"]
+    """What is written in each pane, as text: its names or its verdicts; or over both, as the legend."""
+    whole = kind in ("legend", "opening")
+    for part in captions_html(frame).split('<div class="over-canvas ')[1:]:
+        name, _, content = part.partition('">')
+        if name == kind:
+            panes = content.split("</div>")
+            return [html.unescape(re.sub(r"<[^>]*>", " ", pane)).strip() for pane in panes if "<b" in pane or whole]
+    return []
 
 
 @pytest.mark.parametrize("name", ["<img src=x onerror=alert(1)>", '"><script>alert(1)</script>', "<b>bold</b> & co"])
@@ -159,3 +161,12 @@ def test_the_legend_names_the_colours_of_what_is_looked_into(run: Run):
     for coloring, less, more in (("towards the truth", "astray", "right way"), ("φx", "takes away", "adds")):
         written = legend_html(frame_of(run, replace(AT_THE_END, coloring=coloring)))
         assert less in written and more in written and less not in nothing
+
+
+def test_what_is_about_to_happen_is_said_before_it_begins_and_not_after(run: Run):
+    start = frame_of(run, replace(AT_THE_END, iteration=0))
+    assert "moves the coloured scene" in texts(start, "opening")[0]
+    assert texts(frame_of(run, replace(AT_THE_END, iteration=1)), "opening") == []
+    assert texts(frame_of(run, AT_THE_END), "opening") == []
+    assert texts(replace(start, held=True), "opening") == []
+    assert texts(frame_of(run, replace(AT_THE_END, iteration=0, inside=0.5)), "opening") == []

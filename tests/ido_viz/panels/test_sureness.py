@@ -6,6 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from ido.global_registration import Confidence
@@ -63,3 +64,15 @@ def test_nothing_is_told_on_the_way_or_where_scores_are_hidden(run: Run):
 
 def test_reasons_are_shown_as_they_are(run: Run):
     assert "<img" not in captions_html(shown(run, sure_of(0.1, "<img src=x onerror=alert(1)>")))
+
+
+@pytest.mark.parametrize(
+    ("probability", "accuracy", "differs"), [(0.9, 1.0, False), (0.9, 0.2, True), (0.1, 1.0, True), (0.1, 0.2, False)]
+)
+def test_where_the_verdict_says_otherwise_it_is_said_why(run: Run, probability: float, accuracy: float, differs: bool):
+    left, right = run.sides
+    scores = replace(right.scores, accuracy=np.append(right.scores.accuracy[:-1], accuracy))
+    frame = shown(replace(run, sides=(left, replace(right, scores=scores))), sure_of(probability, "a reason"))
+    text = sureness_html(frame.sides[1], frame)
+    assert "a reason" in text
+    assert ("the verdict knows the true place" in text) == differs
