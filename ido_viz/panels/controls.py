@@ -46,7 +46,6 @@ class Controls:
         gui = client.gui
         self._library = library
         self._inputs: dict[str, Any] = {}
-        self._actions = actions
         self._playback = Playback(gui, state, actions)
         self._inputs["speed"] = self._playback.speed
         self.parts: dict[Part, list[Any]] = {}
@@ -65,9 +64,9 @@ class Controls:
         with self.tabs["View"], self._part(gui, "view"):
             self._view(gui, state, actions)
         with self.tabs["Share"], self._part(gui, "share"):
-            self._share = ShareFolder(gui, state, actions, self._on_input)
+            self._share = ShareFolder(gui, state, actions)
         for handle in self._inputs.values():
-            handle.on_update(self._on_input)
+            handle.on_update(at_once(lambda _: actions.changed()))
         for label, key, act in (
             ("Play or pause", "P", actions.play),
             ("Next iteration", "N", lambda: actions.step(1)),
@@ -200,10 +199,6 @@ class Controls:
 
     def _shape_hint(self) -> str:
         return "; ".join(f"{name}: {subject.title}" for name, subject in self._library.subjects.items())
-
-    def _on_input(self, event: viser.GuiEvent[Any]) -> None:
-        if event.client is not None:
-            self._actions.changed()
 
     def read(self, state: State) -> tuple[State, bool]:
         """The state with the widgets' newest values, and whether they all were usable as they are.

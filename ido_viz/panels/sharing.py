@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
-from typing import Any, get_args
+from typing import get_args
 
 import viser
 
@@ -44,17 +43,10 @@ class ShareFolder:
     Args:
         gui: where they are placed.
         state: what the page begins with.
-        actions: what a pasted code does.
-        changed: called when a person ticks a box.
+        actions: what a pasted code and a ticked box do.
     """
 
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        state: State,
-        actions: Actions,
-        changed: Callable[[viser.GuiEvent[Any]], None],
-    ) -> None:
+    def __init__(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
         self._gui = gui
         self._actions = actions
         self._hidden: dict[Part, viser.GuiCheckboxHandle] = {}
@@ -69,7 +61,7 @@ class ShareFolder:
             gui.add_html(_HIDING)
             for part in get_args(Part):
                 box = gui.add_checkbox(f"Hide {part}", part in state.hidden, hint=_PARTS[part])
-                box.on_update(changed)
+                box.on_update(at_once(lambda _: actions.changed()))
                 self._hidden[part] = box
         gui.add_command("Show all parts").on_trigger(plain(actions.show_all))
 

@@ -37,27 +37,37 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
     """
     gui: Any = client.gui
     connection, take_over = gui._websock_interface, gui._handle_gui_updates
-    resting: dict[str, asyncio.TimerHandle] = {}  # widgets that are to be answered
+    moved: dict[str, tuple[float, str | None]] = {}  # when, and what is to be said, of widgets that are to be answered
 
     def answer(uuid: str, reason: str | None) -> None:
-        resting.pop(uuid, None)
         widget = gui._gui_input_handle_from_uuid.get(uuid)
         if widget is not None:
             connection.queue_message(GuiUpdateMessage(uuid, {"value": widget.value}))
             if reason is not None:
                 tell(f"{widget.label}: {reason}")
 
+    def look(uuid: str, loop: asyncio.AbstractEventLoop) -> None:
+        at, reason = moved[uuid]
+        if loop.time() < at + AT_REST:  # a hand drags it on
+            loop.call_at(at + AT_REST, look, uuid, loop)
+        else:
+            del moved[uuid]
+            answer(uuid, reason)
+
     def answer_at_rest(uuid: str, reason: str | None = None) -> None:
-        if uuid in resting:
-            resting[uuid].cancel()
-        resting[uuid] = asyncio.get_running_loop().call_later(AT_REST, answer, uuid, reason)
+        loop = asyncio.get_running_loop()
+        if uuid not in moved:
+            loop.call_later(AT_REST, look, uuid, loop)
+        moved[uuid] = (loop.time(), reason)
 
     async def take(client_id: Any, message: GuiUpdateMessage) -> None:
         widget, value = gui._gui_input_handle_from_uuid.get(message.uuid), message.updates.get("value")
         reason = None if widget is None else refusal(widget, value)
         if widget is None or reason is None:
+            if widget is not None:
+                widget._impl.sync_cb = None  # viser would tell the other pages, and there are none: it wakes the sender
             await take_over(client_id, message)
-            if message.uuid in resting or _is_number(value):
+            if message.uuid in moved or _is_number(value):
                 answer_at_rest(message.uuid)
         elif _is_number(value) and _is_number(widget.value) and not widget.disabled:
             answer_at_rest(message.uuid, reason)
