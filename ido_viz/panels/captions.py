@@ -25,8 +25,8 @@ _SIGNS = {
 }
 
 _OPENING = (
-    "Each method turns and moves the coloured scene, step by step, until it lies on the grey model.<br>"
-    "Drag a slider, or the scene itself, to make it harder."
+    "Each method moves the coloured scene, step by step, onto the grey model.<br>"
+    '<span class="invitation">Drag a slider, or the scene itself, to make it harder.</span>'
 )
 
 # The canvas is an anchor, so that what is written stays on it whatever is docked beside it; where a browser knows no
@@ -59,6 +59,7 @@ body:has(.lesson) .legend { bottom: calc(anchor(--lesson top, 0rem) + 0.5rem); }
 body:has(.lesson) .sureness { bottom: auto; top: 7.6rem; align-items: flex-start; }
 @media (max-width: 600px) {
   .over-canvas { left: 0; right: 0; }
+  .invitation { display: none; }
   .verdicts { bottom: auto; top: calc(40vh - 4.4rem); }
   .sureness { bottom: auto; top: 4rem; align-items: flex-start; }
   .legend { display: none; }

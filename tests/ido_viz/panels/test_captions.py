@@ -165,7 +165,7 @@ def test_the_legend_names_the_colours_of_what_is_looked_into(run: Run):
 
 def test_what_is_about_to_happen_is_said_before_it_begins_and_not_after(run: Run):
     start = frame_of(run, replace(AT_THE_END, iteration=0))
-    assert "moves the coloured scene" in texts(start, "opening")[0]
+    assert "moves the coloured scene, step by step, onto the grey model" in texts(start, "opening")[0]
     assert texts(frame_of(run, replace(AT_THE_END, iteration=1)), "opening") == []
     assert texts(frame_of(run, AT_THE_END), "opening") == []
     assert texts(replace(start, held=True), "opening") == []
