@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
-from typing import Any, TypeVar, get_args
+from typing import Any, get_args
 
 import numpy as np
 import viser
@@ -14,14 +13,13 @@ from ido.perturbation import LARGEST_SEED, OutlierKind
 from ido_viz.core.actions import Actions, at_once, plain
 from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library
-from ido_viz.core.run import start_size
-from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, NO_START, BinOrder, Overlay, Part, State
+from ido_viz.core.state import EPSILON_RANGE, LONGEST_RUN, BinOrder, Overlay, Part, State
+from ido_viz.panels.control_values import STEPS, values_of, with_values
 from ido_viz.panels.playback import PREPARING, Playback
 from ido_viz.panels.reach import reach_html
 from ido_viz.panels.readout import readout_html
 from ido_viz.panels.sharing import ShareFolder
 
-STEPS = {"noise": 0.001, "points": 10, "outliers": 10, "incomplete": 0.01, "rotation": 1.0, "translation": 0.01}
 _HINTS = {
     "noise": "Standard deviation of the Gaussian noise on every point, in model units (the model fits in ±1).",
     "points": "Points drawn from the full cloud, before some are removed.",
@@ -91,7 +89,7 @@ class Controls:
             "Shape", tuple(self._library.subjects), initial_value=state.shape, hint=self._shape_hint()
         )
         paper = Perturbation()
-        values = _widget_values(state)
+        values = values_of(state)
         for name, allowed in RANGES.items():
             kind = int if name in ("points", "outliers") else float
             self._inputs[name] = gui.add_slider(
@@ -205,41 +203,10 @@ class Controls:
 
         Nonsense is brought into range.
         """
-        value = {name: handle.value for name, handle in self._inputs.items()}
-        drawn, start = _start(value, state)
-        perturbation = Perturbation(
-            **{name: _within(drawn[name], r.low, r.high, getattr(Perturbation(), name)) for name, r in RANGES.items()},
-            outlier_kind=value["outlier_kind"],
-            seed=_within(value["seed"], 0, LARGEST_SEED, 0),
-        )
-        known_shapes = self._library.subjects
-        shape = value["shape"] if value["shape"] in known_shapes else next(iter(known_shapes))  # it was deleted
-        known = self._library.methods(shape)
-        newest = replace(
-            state,
-            shape=shape,
-            perturbation=perturbation,
-            start=start,
-            replay=value["replay"],
-            handles=value["handles"],
-            left=value["left"] if value["left"] in known else known[0],
-            right=value["right"] if value["right"] in known else known[1],
-            epsilon=_within(value["epsilon"], *EPSILON_RANGE, State().epsilon),
-            max_iterations=_within(value["max_iterations"], 1, LONGEST_RUN, State().max_iterations),
-            speed=_within(value["speed"], 1, 60, State().speed),
-            order=value["order"],
-            difference=value["difference"],
-            pinned_map=0 if value["follow"] else _within(value["pinned_map"], 1, self._inputs["pinned_map"].max, 1),
-            ghost=value["ghost"],
-            error_vectors=value["error_vectors"],
-            overlay=value["overlay"],
-            overlaid_iteration=_within(value["overlaid_iteration"], 0, LONGEST_RUN, 0),
-            dark=value["dark"],
-            large_text=value["large_text"],
-            hidden=self._share.hidden,
-        )
-        wanted = _widget_values(newest)
-        return newest, all(value[name] == wanted[name] for name in wanted)
+        values = {name: handle.value for name, handle in self._inputs.items()}
+        newest = with_values(state, values, self._library, self._inputs["pinned_map"].max)
+        wanted = values_of(newest)
+        return replace(newest, hidden=self._share.hidden), all(values[name] == wanted[name] for name in wanted)
 
     def show(self, state: State) -> None:
         """Write a state into the widgets, those that differ from it alone."""
@@ -248,7 +215,7 @@ class Controls:
             if self._inputs[name].options != known:
                 self._inputs[name].options = known
         self._offer_shapes()
-        values = _widget_values(state)
+        values = values_of(state)
         self._inputs["pinned_map"].max = max(self._inputs["pinned_map"].max, state.pinned_map)
         for name, value in values.items():
             if self._inputs[name].value != value:
@@ -288,59 +255,3 @@ class Controls:
     def show_code(self, state: State) -> None:
         """Write a state's code."""
         self._share.show_code(state)
-
-
-def _start(value: dict[str, Any], state: State) -> tuple[dict[str, Any], tuple[float, ...]]:
-    """What a scene is drawn from, and how it was moved by hand.
-
-    While it is, the sliders show how far it is from where it belongs, and whoever moves one lets go of it.
-    """
-    if not state.start:
-        return value, NO_START
-    shown = _widget_values(state)
-    if any(value[name] != shown[name] for name in ("rotation", "translation")):
-        return value, NO_START
-    p = state.perturbation
-    return {**value, "rotation": p.rotation, "translation": p.translation}, state.start
-
-
-def _widget_values(state: State) -> dict[str, Any]:
-    """What each widget holds for a state."""
-    values: dict[str, Any] = {name: getattr(state.perturbation, name) for name in (*RANGES, "outlier_kind", "seed")}
-    if state.start:
-        for name, size in zip(("rotation", "translation"), start_size(state), strict=True):
-            step, allowed = STEPS[name], RANGES[name]
-            values[name] = round(min(max(round(size / step) * step, allowed.low), allowed.high), 6)
-    for name in (
-        "shape",
-        "left",
-        "right",
-        "epsilon",
-        "max_iterations",
-        "speed",
-        "replay",
-        "handles",
-        "order",
-        "difference",
-        "ghost",
-        "error_vectors",
-        "overlay",
-        "overlaid_iteration",
-        "dark",
-        "large_text",
-    ):
-        values[name] = getattr(state, name)
-    values["follow"] = state.pinned_map == 0
-    if state.pinned_map:
-        values["pinned_map"] = state.pinned_map
-    return values
-
-
-Number = TypeVar("Number", int, float)
-
-
-def _within(value: Any, low: float, high: float, default: Number) -> Number:
-    """A number brought into a range, of the default's kind; the default if it is none at all."""
-    if not isinstance(value, int | float) or not math.isfinite(value):
-        return default
-    return type(default)(min(max(value, low), high))

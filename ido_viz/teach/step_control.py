@@ -11,7 +11,7 @@ import viser
 from ido import RANGES
 from ido_viz.core.actions import Actions, at_once
 from ido_viz.core.state import VALUES, State, StateError, with_values
-from ido_viz.panels.controls import STEPS
+from ido_viz.panels.control_values import STEPS
 from ido_viz.teach.content import ContentError
 
 Button = Literal["Play", "One iteration on", "Back to the start", "New seed", "Map the basin"]

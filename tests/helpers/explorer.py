@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import time
 from collections.abc import Callable
 from typing import get_args
 
@@ -40,6 +41,8 @@ TABS = {
 """The tabs of the control panel and what is in each. Of the rest nothing is on the page while another is open."""
 
 TAB_OF = {label: tab for tab, labels in TABS.items() for label in labels}
+
+AT_THE_MOUSE = 3.0  # seconds within which a slider that was let go stands where the mouse did
 
 NEAR = 12  # of 255: colours this close count as the same
 
@@ -190,10 +193,15 @@ class Explorer(AnyExplorer):
             self.page.mouse.move(track["x"] + share * track["width"], y, steps=steps)
         self.page.mouse.up()
         self.page.evaluate(AFTER_WHAT_IS_DUE)  # the thumb goes to the mouse when the page is painted next
+        x = track["x"] + shares[-1] * track["width"]
         seen: list[float] = []
+        deadline = time.monotonic() + AT_THE_MOUSE
         while len(seen) < 2 or seen[-1] != seen[-2]:
             self.pause()
             seen.append(self.slider_value(label))
+            here = box_of(thumb)
+            if abs(here["x"] + here["width"] / 2 - x) > here["width"] and time.monotonic() < deadline:
+                seen.clear()  # a busy browser was answered in the middle of the drag, and is answered again
         return seen[-1]
 
     def type_into(self, label: str, text: str) -> None:

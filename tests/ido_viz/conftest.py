@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -68,3 +69,11 @@ def tiny_draft(bunny: Cloud) -> Draft:
 def kept(tiny_draft: Draft) -> Kept:
     maps = {name: train(tiny_draft.cloud, kind(tiny_draft.model), TINY) for name, kind in TRAINED.items()}
     return Kept("tiny", "mm", "+y", tiny_draft.cloud, maps)
+
+
+@pytest.fixture
+def default_interrupts() -> Iterator[None]:
+    """What is started in the background ignores Ctrl-C, and hands that on."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 import webbrowser
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -39,14 +38,6 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
 @pytest.mark.usefixtures("interrupted_when_it_stands")
 def test_ctrl_c_while_the_browser_is_opened_ends_it_quietly(monkeypatch: pytest.MonkeyPatch):
     assert run(monkeypatch, "--port", "0") == 0
-
-
-@pytest.fixture
-def default_interrupts() -> Iterator[None]:
-    """What is started in the background ignores Ctrl-C, and hands that on."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.usefixtures("default_interrupts")

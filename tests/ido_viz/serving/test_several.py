@@ -121,6 +121,7 @@ def test_a_cloud_that_one_server_keeps_is_offered_by_both(server: load.Server, d
     assert not any("tiny" in options for options in run(shapes()))
 
 
+@pytest.mark.usefixtures("default_interrupts")
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_the_servers_end_with_the_command(tmp_path: Path, how: int):
