@@ -136,11 +136,11 @@ async def drag(tabs: list[HeadlessTab], seconds: float, server: Server) -> Figur
         await asyncio.sleep(number / len(tabs) / MESSAGES)  # people do not move in step
         begin = time.perf_counter()
         for step in range(round(seconds * MESSAGES)):
-            swing = np.sin(step / 7 + number)
+            place = (5 * step + number) % 61 / 60  # never twice the same, for that is no change
             if step % 2:
-                await tab.set("Rotation", round(60 + 30 * float(swing)))
+                await tab.set("Rotation", round(30 + 60 * place))
             else:
-                await tab.set("Translation", round(0.3 + 0.15 * float(swing), 2))
+                await tab.set("Translation", round(0.15 + 0.3 * place, 2))
             await asyncio.sleep(max(0.0, begin + (step + 1) / MESSAGES - time.perf_counter()))
 
     for tab in tabs:
