@@ -126,9 +126,10 @@ def test_a_cloud_that_one_server_keeps_is_offered_by_both(server: load.Server, d
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_the_servers_end_with_the_command(tmp_path: Path, how: int):
     with load.started("--servers", "2", "--data", str(tmp_path)) as server:
-        assert server.process is not None
-        wait("both", lambda: len(its := server.process.children(recursive=True)) >= 2 and its)
-        its = server.process.children(recursive=True)
-        os.kill(server.process.pid, how)
+        command = server.process
+        assert command is not None
+        wait("both", lambda: len(command.children(recursive=True)) >= 2)
+        its = command.children(recursive=True)
+        os.kill(command.pid, how)
         wait("their end", lambda: not any(each.is_running() and each.status() != "zombie" for each in its))
     shutil.rmtree(tmp_path)  # nobody writes there any more
