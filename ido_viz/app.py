@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from collections.abc import Collection
 from dataclasses import replace
@@ -126,7 +127,7 @@ class App:
         refuse_nonsense(client, lambda reason: client.add_notification("Not taken", reason, auto_close_seconds=8.0))
         request = current_request()
         if self._workshop is not None:
-            self._workshop.shelf.look_again()
+            await asyncio.to_thread(self._workshop.shelf.look_again)  # another page's cloud may just be written
         state, step, complaint = self._asked(request)
         name, address = _name(request), self._shown_address(request)
         session = self._away.take(name)

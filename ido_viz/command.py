@@ -30,7 +30,7 @@ from ido_viz.serving.entrance import Entrance
 from ido_viz.serving.guests import OriginError, read_origins
 from ido_viz.serving.listening import ListenError, listen, opens_to_others
 from ido_viz.serving.room import usual_room
-from ido_viz.serving.servers import Ready, ServersError, serve_with, usual_servers
+from ido_viz.serving.servers import Ready, ServersError, serve_with, shares_of, usual_servers
 from ido_viz.teach.content import ContentError
 from ido_viz.teach.lessons import lesson
 
@@ -144,15 +144,15 @@ def serve_by_several(options: Options, servers: int) -> None:
         Exception: one of `REFUSALS`.
     """
     origins, data = read_origins(options.allow_origin), data_folder(options)
-    share = -(-(options.sessions or usual_room()) // servers)
+    shares = shares_of(options.sessions or usual_room(), servers)
     with listen(options.host, options.port) as listener:
         entrance = Entrance.of(listener, options.host, token=options.token, origins=origins)
-        one = partial(serve_behind, options, data, entrance, share)
+        serves = [partial(serve_behind, options, data, entrance, share) for share in shares]
 
         def stands(ready: Ready) -> None:
             announce(options, entrance, ready.notes)
 
-        asyncio.run(serve_with(one, servers, share, listener, stands))
+        asyncio.run(serve_with(serves, shares, listener, stands))
 
 
 def serve_behind(options: Options, data: Path | None, entrance: Entrance, share: int, there: Connection) -> None:
@@ -161,13 +161,16 @@ def serve_behind(options: Options, data: Path | None, entrance: Entrance, share:
         library, state = start(options)
         app = App(state, library=library, sessions=share, data=data, draft=draft(options), entrance=entrance)
     except REFUSALS as error:
-        there.send(str(error))
+        with contextlib.suppress(OSError):
+            there.send(str(error))
         return
-    there.send(Ready(app.server.get_port(), app.unreadable))
-    threading.Thread(target=get_ready, args=(state, library), daemon=True).start()
-    with contextlib.suppress(EOFError, OSError):
-        there.recv()
-    app.stop()
+    try:
+        with contextlib.suppress(EOFError, OSError):  # the other end is gone
+            there.send(Ready(app.server.get_port(), app.unreadable))
+            threading.Thread(target=get_ready, args=(state, library), daemon=True).start()
+            there.recv()
+    finally:
+        app.stop()
 
 
 def announce(options: Options, entrance: Entrance, notes: tuple[str, ...]) -> None:

@@ -106,6 +106,7 @@ class Shelf(Mapping[str, Subject]):
         with self._lock:
             kept = {place.maps: name for name, place in self._kept.items()}
             lying = set(self.folder.glob("[!.]*.npz"))  # one with a dot is being written
+            self._unreadable = {path: why for path, why in self._unreadable.items() if path in lying}
             gone = [name for path, name in kept.items() if path not in lying]
             for name in gone:
                 del self._kept[name]

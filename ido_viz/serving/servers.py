@@ -9,7 +9,7 @@ import os
 import signal
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import Connection
@@ -57,21 +57,20 @@ def usual_servers(*, is_open: bool) -> int:
 
 
 async def serve_with(
-    serve: Serve, servers: int, share: int, listener: socket.socket, stands: Callable[[Ready], None]
+    serves: Sequence[Serve], shares: Sequence[int], listener: socket.socket, stands: Callable[[Ready], None]
 ) -> None:
     """Serve by several processes until it is cancelled; one that ends is started again.
 
     Args:
-        serve: what each does; it must be picklable.
-        servers: how many.
-        share: how many pages each serves at once.
+        serves: what each does; they must be picklable.
+        shares: how many pages each serves at once.
         listener: where pages come to.
-        stands: called when the first of them can be asked.
+        stands: called on another thread when the first of them can be asked.
 
     Raises:
         ServersError: one could not be started at all.
     """
-    front = Front(servers, share)
+    front = Front(shares)
     loop = asyncio.get_running_loop()
     first: asyncio.Future[Ready] = loop.create_future()
 
@@ -91,14 +90,20 @@ async def serve_with(
     def tell(number: int, what: Ready | str) -> None:
         loop.call_soon_threadsafe(told, number, what)
 
-    processes = [_Server(serve, partial(tell, number)) for number in range(servers)]
+    processes = [_Server(serve, partial(tell, number)) for number, serve in enumerate(serves)]
     visits = asyncio.create_task(front.serve(listener))
     try:
-        stands(await first)
+        await asyncio.to_thread(stands, await first)  # it may open a browser, which may wait for the page
         await visits
     finally:
         visits.cancel()
         await asyncio.to_thread(_end, processes)
+
+
+def shares_of(pages: int, servers: int) -> tuple[int, ...]:
+    """How many of so many pages each server serves at once; no more servers than pages."""
+    servers = min(servers, pages)
+    return tuple(pages // servers + (number < pages % servers) for number in range(servers))
 
 
 class _Server:
@@ -134,7 +139,18 @@ class _Server:
             self._process.kill()
 
     def _keep_up(self) -> None:
-        while self._begun():
+        if hasattr(
+            signal, "pthread_sigmask"
+        ):  # processes begun on this thread leave Ctrl-C to the command from the first
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        while not self._closing.is_set():
+            try:
+                if not self._begun():
+                    return
+            except OSError as error:  # too many processes or files, or no memory
+                self._tell(f"a process cannot be started: {error}")
+                self._closing.wait(_AGAIN)
+                continue
             assert self._process is not None and self._here is not None
             why = ""
             with contextlib.suppress(EOFError, OSError):

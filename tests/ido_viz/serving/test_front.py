@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import hashlib
 import random
 from collections.abc import Awaitable, Callable
@@ -24,14 +25,14 @@ class Place:
     def __init__(self) -> None:
         self.listener = listen("127.0.0.1", 0)
         self.port = self.listener.getsockname()[1]
-        self.front = Front(2, SHARE)
+        self.front = Front([SHARE, SHARE])
         self.servers: dict[int, asyncio.Server] = {}
         self.heads: list[bytes] = []
 
     async def start(self, number: int) -> None:
         async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             self.heads.append(await reader.readuntil(b"\r\n\r\n"))
-            writer.write(f"{number}\n".encode())
+            writer.write(f"HTTP/1.1 101 {number}\r\n".encode())
             while chunk := await reader.read(1 << 16):
                 writer.write(chunk)
                 await writer.drain()
@@ -56,7 +57,7 @@ class Visitor:
 
     async def server(self) -> int:
         """Which server answered."""
-        return int(await asyncio.wait_for(self.reader.readline(), PATIENCE))
+        return int((await asyncio.wait_for(self.reader.readline(), PATIENCE)).split()[-1])
 
     async def leave(self) -> None:
         self.writer.close()
@@ -178,7 +179,7 @@ def test_nonsense_and_silence_end_alone(monkeypatch: pytest.MonkeyPatch, sent: b
         reader, writer = await asyncio.open_connection("127.0.0.1", place.port)
         writer.write(sent)
         if b"\r\n\r\n" in sent:  # a server's affair
-            assert await asyncio.wait_for(reader.readline(), PATIENCE) in (b"0\n", b"1\n")
+            assert await asyncio.wait_for(reader.readline(), PATIENCE) in (b"HTTP/1.1 101 0\r\n", b"HTTP/1.1 101 1\r\n")
         else:
             with pytest.raises((asyncio.IncompleteReadError, ConnectionError)):
                 await asyncio.wait_for(reader.readexactly(1), PATIENCE)
@@ -188,12 +189,71 @@ def test_nonsense_and_silence_end_alone(monkeypatch: pytest.MonkeyPatch, sent: b
     visit(steps, 0, 1)
 
 
+@pytest.mark.parametrize(
+    ("target", "page", "is_kept"),
+    [("/?page=a", True, True), ("/?page=a", False, False), ("/?page=" + "a" * 65, True, False), ("/", True, False)],
+)
+def test_pages_that_were_let_in_are_known_again_and_nobody_else(target: str, page: bool, is_kept: bool):
+    async def steps(place: Place) -> None:
+        visitor = await Visitor(place).ask(target, page=page)
+        await visitor.server()
+        assert (list(place.front._homes) == ["a"]) == is_kept and len(place.front._homes) == is_kept
+
+    visit(steps, 0, 1)
+
+
+def test_who_ends_what_it_says_gets_the_whole_answer():
+    async def steps(place: Place) -> None:
+        visitor = await Visitor(place).ask()
+        visitor.writer.write(b"so far")
+        visitor.writer.write_eof()
+        assert await asyncio.wait_for(visitor.reader.read(), PATIENCE) in (
+            b"HTTP/1.1 101 0\r\nso far",
+            b"HTTP/1.1 101 1\r\nso far",
+        )
+
+    visit(steps, 0, 1)
+
+
+def test_who_takes_nothing_any_more_is_let_go(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(front_module, "_LONGEST_STILL", 0.3)
+
+    async def steps(place: Place) -> None:
+        visitor = await Visitor(place).ask()
+        await visitor.server()
+        assert sum(place.front._pages) == 1
+        visitor.writer.transport.pause_reading()  # as a machine that sleeps
+        with contextlib.suppress(ConnectionError):
+            for _ in range(400):
+                visitor.writer.write(bytes(1 << 16))
+                await asyncio.wait_for(visitor.writer.drain(), PATIENCE)
+        async with asyncio.timeout(PATIENCE):
+            while sum(place.front._pages):
+                await asyncio.sleep(0.02)
+
+    visit(steps, 0, 1)
+
+
+def test_an_open_page_does_not_keep_the_front_from_its_end():
+    async def all_steps() -> None:
+        place = Place()
+        serving = asyncio.create_task(place.front.serve(place.listener))
+        await place.start(0)
+        visitor = await Visitor(place).ask()
+        await visitor.server()
+        serving.cancel()
+        await asyncio.wait_for(asyncio.gather(serving, return_exceptions=True), PATIENCE)
+        place.servers[0].close()
+
+    run(all_steps())
+
+
 def test_names_are_forgotten_before_they_fill_the_memory(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(front_module, "_MOST_NAMES", 5)
 
     async def steps(place: Place) -> None:
         for number in range(20):
-            page = await Visitor(place).ask(f"/?page={number}", page=False)
+            page = await Visitor(place).ask(f"/?page={number}")
             await page.server()
         assert list(place.front._homes) == [str(number) for number in range(15, 20)]
 

@@ -18,7 +18,7 @@ from headless import run
 
 from ido_viz.serving import servers as servers_module
 from ido_viz.serving.listening import listen
-from ido_viz.serving.servers import Ready, ServersError, serve_with, usual_servers
+from ido_viz.serving.servers import Ready, ServersError, serve_with, shares_of, usual_servers
 
 PATIENCE = 30.0  # seconds; only a failing test waits that long
 
@@ -73,7 +73,7 @@ def test_one_that_is_killed_is_started_again_and_all_end_at_the_end(
     async def steps() -> None:
         listener, ready = listen("127.0.0.1", 0), asyncio.Queue[Ready]()
         address, pages = listener.getsockname(), list[asyncio.StreamWriter]()
-        serving = asyncio.create_task(serve_with(tell_its_process, 2, 1000, listener, ready.put_nowait))
+        serving = asyncio.create_task(serve_with([tell_its_process] * 2, [1000] * 2, listener, ready.put_nowait))
         assert (await asyncio.wait_for(ready.get(), PATIENCE)).notes == ("a note",)
         killed = await server_of(address, pages)
         os.kill(killed, signal.SIGKILL)
@@ -97,7 +97,7 @@ def test_one_that_is_killed_is_started_again_and_all_end_at_the_end(
 
 def test_why_none_can_serve_is_said():
     with listen("127.0.0.1", 0) as listener, pytest.raises(ServersError, match="no such cloud"):
-        run(serve_with(cannot_serve, 2, 10, listener, lambda _: None))
+        run(serve_with([cannot_serve] * 2, [10] * 2, listener, lambda _: None))
 
 
 def test_one_that_does_not_end_is_forced(monkeypatch: pytest.MonkeyPatch):
@@ -105,7 +105,7 @@ def test_one_that_does_not_end_is_forced(monkeypatch: pytest.MonkeyPatch):
 
     async def steps() -> None:
         listener, ready = listen("127.0.0.1", 0), asyncio.Queue[Ready]()
-        serving = asyncio.create_task(serve_with(never_ends, 1, 10, listener, ready.put_nowait))
+        serving = asyncio.create_task(serve_with([never_ends], [10], listener, ready.put_nowait))
         pid = int((await asyncio.wait_for(ready.get(), PATIENCE)).notes[0])
         serving.cancel()
         await asyncio.wait([serving])
@@ -122,3 +122,19 @@ def test_a_class_has_a_server_a_processor_and_whoever_is_alone_one(
 ):
     monkeypatch.setattr(servers_module.os, "cpu_count", lambda: processors)
     assert usual_servers(is_open=open_to_others) == servers
+
+
+@pytest.mark.parametrize(
+    ("pages", "servers", "shares"), [(60, 2, (30, 30)), (5, 4, (2, 1, 1, 1)), (1, 4, (1,)), (10, 3, (4, 3, 3))]
+)
+def test_servers_share_the_pages_and_serve_no_more_together(pages: int, servers: int, shares: tuple[int, ...]):
+    assert shares_of(pages, servers) == shares
+
+
+def test_a_process_that_cannot_be_started_is_told(monkeypatch: pytest.MonkeyPatch):
+    def begin(_: object) -> bool:
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(servers_module._Server, "_begun", begin)
+    with listen("127.0.0.1", 0) as listener, pytest.raises(ServersError, match="no more processes"):
+        run(serve_with([cannot_serve], [1], listener, lambda _: None))
