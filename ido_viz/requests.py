@@ -216,7 +216,9 @@ class Requests(LiveState):
             self._open_inspect()
 
     def _clear(self) -> None:
-        if self._state.inspected != NO_POINT or self._state.scene_point != NO_POINT:
+        if self._state.inside > 0:
+            self._change(self._outside)
+        elif self._state.inspected != NO_POINT or self._state.scene_point != NO_POINT:
             self._change(lambda state: replace(state, inspected=NO_POINT, scene_point=NO_POINT))
 
     def _inspect(self, changes: dict[str, Any]) -> None:

@@ -25,6 +25,8 @@ def legend_html(frame: Frame) -> str:
         parts.append(f"{trail} its way")
         if frame.state.ghost:
             parts.append(f'<span style="color:{palette.css(palette.GHOST)}">◇</span> where it belongs')
+        if frame.state.error_vectors:
+            parts.append(f'<span style="color:{palette.css(palette.GHOST)}">╱</span> to its place')
     if any(side.run.race is not None for side in frame.sides):
         parts.append("▸ a start, over its top")
     ink, page = palette.css(palette.ink(dark)), palette.css(palette.PAGES[dark], 0.7)  # where it lies over a cloud

@@ -124,8 +124,9 @@ def _verdict_html(side: SideFrame, frame: Frame) -> str:
     verdict = side.run.verdict(side.run.trajectory.iterations) if frame.held else side.verdict
     color = palette.css(palette.text(palette.verdict_color(verdict), dark))
     words = verdict.foretold if frame.held and side.run.pending is None else str(verdict)
+    size = 1.15 if frame.held else 1.5  # rem; what will be takes more words
     return (
-        f'<b style="font-size:min(1.5rem,5vw);color:{color}">{_SIGNS[verdict]} {words}</b><br>'
+        f'<b style="font-size:min({size}rem,5vw);color:{color}">{_SIGNS[verdict]} {words}</b><br>'
         f'<span style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'
         f"{html.escape(_reason(side, verdict, frame.held))}</span>"
     )

@@ -14,7 +14,7 @@ from ido_viz.core import palette
 from ido_viz.core.frame import Frame
 from ido_viz.core.inside import Inside
 from ido_viz.core.state import BEATS
-from ido_viz.core.wording import short_side
+from ido_viz.core.wording import one_line, short_side
 
 _WIDTH, _HEIGHT = 560, 128  # of a picture, in its own units
 _NORMAL, _LARGE = 13, 18  # of the words in it
@@ -53,7 +53,8 @@ def inside_html(inside: Inside, dark: bool, *, large: bool = False) -> str:
     sentence, picture = _BEATS[inside.beat - 1](inside, dark)
     return (
         f'<div class="inside" style="background:{page};color:{ink};border:1px solid {palette.css(palette.GUIDE, 0.4)}">'
-        f'<div class="sentence"><span aria-label="beat {inside.beat} of {BEATS}">{dots}</span> {sentence}</div>'
+        f'<div class="sentence"><span aria-label="beat {inside.beat} of {BEATS}">{dots}</span> '
+        f"<b>{html.escape(one_line(inside.inspection.side.method))}:</b> {sentence}</div>"
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="beat {inside.beat}" fill="{ink}" '
         f'font-size="{_LARGE if large else _NORMAL}" font-family="sans-serif">{picture}</svg></div>'
     )

@@ -55,14 +55,17 @@ def test_after_the_last_iteration_it_plays_from_the_start(open_tab: OpenTab):
     assert tab.settle().state.inside == 0
 
 
-@pytest.mark.parametrize("leave", [lambda tab: tab.actions.look_inside(), lambda tab: tab.actions.jump(0)])
+@pytest.mark.parametrize(
+    "leave", [lambda tab: tab.actions.look_inside(), lambda tab: tab.actions.jump(0), lambda tab: tab.actions.clear()]
+)
 @pytest.mark.parametrize("picked", [NO_POINT, 7])
 def test_the_point_that_it_has_chosen_itself_goes_with_it(open_tab: OpenTab, leave: Callable[[Tab], None], picked: int):
     tab = open_tab(replace(PAUSED, iteration=1, inspected=picked))
     tab.actions.to_beat(2.5)
     assert tab.settle().state.inspected != NO_POINT
     leave(tab)
-    assert tab.settle().state.inspected == picked
+    state = tab.settle().state
+    assert (state.inside, state.inspected) == (0, picked)
 
 
 def test_a_beat_that_is_dragged_to_is_held(open_tab: OpenTab):

@@ -170,3 +170,9 @@ def test_what_is_about_to_happen_is_said_before_it_begins_and_not_after(run: Run
     assert texts(frame_of(run, AT_THE_END), "opening") == []
     assert texts(replace(start, held=True), "opening") == []
     assert texts(frame_of(run, replace(AT_THE_END, iteration=0, inside=0.5)), "opening") == []
+
+
+def test_the_legend_names_error_vectors_where_they_are_drawn(run: Run):
+    for shown in (True, False):
+        state = replace(AT_THE_END, error_vectors=shown)
+        assert ("to its place" in legend_html(frame_of(run, state))) == shown
