@@ -113,6 +113,7 @@ def test_every_beat_has_a_sentence_and_a_picture_of_finite_numbers(run: Run, pos
     assert inside is not None
     content = inside_html(inside, dark)
     assert f"beat {inside.beat} of {BEATS}" in content
+    assert f"<b>{inside.inspection.side.method}:</b>" in content
     assert "nan" not in content and "inf" not in content
     assert len(content) < 30_000
 
