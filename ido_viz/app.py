@@ -33,6 +33,8 @@ from ido_viz.teach.presets import presets
 AWAY = 120.0
 """Seconds that a session is kept after its connection went."""
 
+_LONGEST_FRAME = 5.0  # seconds that a page which is reloaded in mid-frame waits for its end
+
 _SHORTEST_NAME = 20
 
 
@@ -131,7 +133,7 @@ class App:
         state, step, complaint = self._asked(request)
         name, address = _name(request), self._shown_address(request)
         session = self._away.take(name)
-        if session is not None and session.can_come_back:
+        if session is not None and await asyncio.to_thread(session.ends_within, _LONGEST_FRAME):
             session.come_back(client, state, address, step)
         else:
             if session is not None:  # still at the frame in which it was left

@@ -95,6 +95,11 @@ class Session(Requests):
         """Whether the thread has ended after `leave`."""
         return not self._thread.is_alive()
 
+    def ends_within(self, seconds: float) -> bool:
+        """Whether the thread has ended after `leave`, so that the page can come back; waited for so long."""
+        self._thread.join(seconds)
+        return self.can_come_back
+
     def come_back(self, client: viser.ClientHandle, state: State, address: str = "", step: str = "") -> None:
         """Serve a page again, of another connection: with what was computed, and what can be undone.
 

@@ -222,7 +222,7 @@ def test_who_takes_nothing_any_more_is_let_go(monkeypatch: pytest.MonkeyPatch):
         visitor = await Visitor(place).ask()
         await visitor.server()
         assert sum(place.front._pages) == 1
-        visitor.writer.transport.pause_reading()  # as a machine that sleeps
+        visitor.writer.transport.pause_reading()  # type: ignore[attr-defined]  # as a machine that sleeps
         with contextlib.suppress(ConnectionError):
             for _ in range(400):
                 visitor.writer.write(bytes(1 << 16))

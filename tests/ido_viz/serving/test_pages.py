@@ -78,6 +78,36 @@ def test_a_page_that_comes_back_finds_what_was_computed_and_what_it_can_undo(app
     run(come_back())
 
 
+def test_a_page_that_is_reloaded_in_mid_frame_finds_its_session(app: App, monkeypatch: pytest.MonkeyPatch):
+    draw, name = Page.draw, "c" * 32
+
+    def drawn_slowly(page: Page, *frame: Any, **options: Any) -> None:
+        draw(page, *frame, **options)
+        if slowly:
+            drawing.set()
+            time.sleep(0.5)
+
+    slowly: list[bool] = []
+    drawing = threading.Event()
+    monkeypatch.setattr(Page, "draw", drawn_slowly)
+
+    async def reload() -> None:
+        tab = HeadlessTab(f"{app.url}/?page={name}")
+        await tab.open()
+        (session,) = app._sessions.values()
+        slowly.append(True)
+        await tab.set("Rotation", 40)
+        await asyncio.to_thread(drawing.wait, PATIENCE)
+        await tab.close()
+        assert not session.can_come_back
+        again = HeadlessTab(f"{app.url}/?page={name}")
+        await again.open()
+        assert list(app._sessions.values()) == [session]
+        await again.close()
+
+    run(reload())
+
+
 def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(
     app: App, recwarn: pytest.WarningsRecorder, monkeypatch: pytest.MonkeyPatch
 ):

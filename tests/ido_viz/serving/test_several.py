@@ -90,12 +90,12 @@ def test_each_server_has_its_pages_and_one_too_many_is_told_so(server: load.Serv
     run(visit())
 
 
-@pytest.mark.parametrize("comes_back", ["c", "d"])
-def test_a_page_comes_back_to_the_server_that_knows_what_it_can_undo(server: load.Server, comes_back: str):
+@pytest.mark.parametrize(("names", "comes_back"), [("cd", "c"), ("gh", "h")])
+def test_a_page_comes_back_to_the_server_that_knows_what_it_can_undo(server: load.Server, names: str, comes_back: str):
     begun, left = State(), State(perturbation=Perturbation(rotation=20), playing=False)
 
     async def visit() -> None:
-        async with pages(server, "c", "d") as tabs:
+        async with pages(server, *names) as tabs:
             for tab in tabs:
                 await tab.push("Last")
                 seen = tab.counts.frames
