@@ -17,7 +17,7 @@ from ido_viz.core.geometry import point_on_ray, upright
 from ido_viz.core.run import Run
 from ido_viz.core.state import Pane
 
-_CLICK_REACH = 0.04  # of a click's ray from a model point, model units
+_CLICK_REACH = 0.08  # of a click's ray from a model point, model units: so far apart they are, or most clicks miss
 
 
 class Canvas:

@@ -45,6 +45,9 @@ def track_of(scene: Scene, T_model_scene: FloatArray) -> np.ndarray:
     return np.stack([track[:-1], track[1:]], axis=1)
 
 
+_BEHIND = 20.0  # so many times further behind another one is as far as beside the ray
+
+
 def point_on_ray(points: FloatArray, origin: FloatArray, direction: FloatArray, reach: float) -> int | None:
     """Number of the point (M, 3) nearest to a ray, if it is within reach of it; of nearly equal ones the first met."""
     direction = np.asarray(direction, dtype=np.float64) / np.linalg.norm(direction)
@@ -54,4 +57,4 @@ def point_on_ray(points: FloatArray, origin: FloatArray, direction: FloatArray, 
     hit = (away < reach) & (along > 0)
     if not hit.any():
         return None
-    return int(np.argmin(np.where(hit, along + 10 * away, np.inf)))
+    return int(np.argmin(np.where(hit, along + _BEHIND * away, np.inf)))
