@@ -23,6 +23,9 @@ _LONGEST_START = 60.0
 _LONGEST_STILL = 30.0
 """Seconds within which who is sent something must take it, and in which one side may go on when the other has ended."""
 
+_LONGEST_LEAVE = 3.0
+"""Seconds that a page waits for room at the server that knows it."""
+
 _AGAIN = 0.1
 """Seconds after which servers are asked again of which none answered."""
 
@@ -103,8 +106,12 @@ class Front:
                 await asyncio.wait_for(self._changed.wait(), _AGAIN if standing else None)
             refused.clear()
         home = self._homes.get(name)
-        if home in able and self._pages[home] < self._shares[home]:
-            return home
+        if home in able:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_LONGEST_LEAVE):
+                    while self._pages[home] >= self._shares[home]:  # perhaps by the page itself, as it is reloaded
+                        await asyncio.sleep(_AGAIN)
+                    return home
         return min(able, key=lambda number: (self._pages[number] >= self._shares[number], self._pages[number]))
 
     def _remember(self, name: str, number: int) -> None:

@@ -137,7 +137,9 @@ def test_who_only_reads_a_file_takes_no_place_of_a_page():
     visit(steps, 0, 1)
 
 
-def test_a_page_whose_server_is_full_or_gone_finds_another():
+def test_a_page_whose_server_is_full_or_gone_finds_another(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(front_module, "_LONGEST_LEAVE", 0.2)
+
     async def steps(place: Place) -> None:
         first = await Visitor(place).ask("/?page=first")
         home = await first.server()
@@ -152,6 +154,22 @@ def test_a_page_whose_server_is_full_or_gone_finds_another():
             await other.leave()
         place.servers[1 - home].close()  # the front has not been told
         again = await Visitor(place).ask("/?page=first")
+        assert await again.server() == home
+
+    visit(steps, 0, 1)
+
+
+def test_a_page_that_is_reloaded_at_once_finds_its_server_although_it_fills_it_itself():
+    async def steps(place: Place) -> None:
+        first = await Visitor(place).ask("/?page=first")
+        home = await first.server()
+        others: list[Visitor] = []
+        while place.front._pages[home] < SHARE:
+            others.append(await Visitor(place).ask())
+            await others[-1].server()
+        again = await Visitor(place).ask("/?page=first")
+        await asyncio.sleep(0.3)
+        await first.leave()
         assert await again.server() == home
 
     visit(steps, 0, 1)
