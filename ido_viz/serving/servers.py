@@ -139,9 +139,7 @@ class _Server:
             self._process.kill()
 
     def _keep_up(self) -> None:
-        if hasattr(
-            signal, "pthread_sigmask"
-        ):  # processes begun on this thread leave Ctrl-C to the command from the first
+        if hasattr(signal, "pthread_sigmask"):  # or a process that begins would be ended by Ctrl-C, with a traceback
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         while not self._closing.is_set():
             try:

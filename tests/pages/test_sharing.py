@@ -56,6 +56,15 @@ def test_broken_codes_are_refused_with_a_message_and_the_page_goes_on(explorer: 
     assert replace(after, iteration=before.iteration) == before
 
 
+def test_a_box_that_is_cleared_to_paste_another_code_is_no_code(explorer: UnseenExplorer):
+    before, numbers = explorer.fragment(), explorer.numbers()
+    for nothing in ("", "   "):
+        explorer.paste(nothing)
+        explorer.expect_alive()
+        assert explorer.notifications() == []
+    assert (explorer.fragment(), explorer.numbers()) == (before, numbers)
+
+
 def test_one_tab_s_code_gives_the_same_page_in_another(explorer: UnseenExplorer, open_unseen: OpenUnseen):
     one, other = explorer, open_unseen()
     one.drag("Rotation", 0.5)
