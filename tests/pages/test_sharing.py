@@ -57,12 +57,12 @@ def test_broken_codes_are_refused_with_a_message_and_the_page_goes_on(explorer: 
 
 
 def test_a_box_that_is_cleared_to_paste_another_code_is_no_code(explorer: UnseenExplorer):
-    before, numbers = explorer.fragment(), explorer.numbers()
+    before = state_of(explorer)
     for nothing in ("", "   "):
         explorer.paste(nothing)
-        explorer.expect_alive()
+        explorer.expect_alive()  # goes to another iteration
         assert explorer.notifications() == []
-    assert (explorer.fragment(), explorer.numbers()) == (before, numbers)
+    assert replace(state_of(explorer), iteration=before.iteration) == before
 
 
 def test_one_tab_s_code_gives_the_same_page_in_another(explorer: UnseenExplorer, open_unseen: OpenUnseen):
