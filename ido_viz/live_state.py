@@ -9,7 +9,7 @@ from dataclasses import replace
 import viser
 
 from ido_viz.core.basin import Basin
-from ido_viz.core.changes import at_iteration, held_at_start
+from ido_viz.core.changes import at_iteration, held_at_start, lent_by
 from ido_viz.core.clock import Clock
 from ido_viz.core.comparison import Comparison
 from ido_viz.core.frame import Frame, shown_iteration
@@ -46,7 +46,7 @@ class LiveState:
         self._basin = Basin(library, self._wake)
         self._history = History(state)
         self._gesture = 0  # number of what the hand does
-        self._lent = NO_POINT  # the model point that the slow motion has chosen, for nobody had
+        self._lent = lent_by(state)
         self._arrive(client, state, address)
 
     def _arrive(self, client: viser.ClientHandle, state: State, address: str) -> None:
@@ -107,6 +107,10 @@ class LiveState:
             self._replay(AFTER_A_CHANGE)
         if not usable or self._state.shape != before.shape:
             self._page.show(self._state)
+
+    def _returned(self, state: State) -> State:
+        """A state without the model point that the slow motion has chosen, for nobody had."""
+        return replace(state, inspected=NO_POINT) if state.inspected == self._lent else state
 
     def _leave_deleted(self) -> None:
         """Go to the first shape when the page's own was deleted, also when undo leads there."""

@@ -12,6 +12,7 @@ from ido.types import FloatArray
 from ido_viz.canvas.canvas import point_at
 from ido_viz.core.actions import Actions
 from ido_viz.core.changes import (
+    lent_by,
     looked_inside,
     played,
     still,
@@ -141,19 +142,19 @@ class Requests(LiveState):
         self._change(toggled)
 
     def _step(self, by: int) -> None:
-        self._change(lambda state: self._at(self._outside(state), max(0, self._shown(state) + by)))
+        self._change(lambda state: self._at(still(state), max(0, self._shown(state) + by)))
 
     def _jump(self, iteration: int) -> None:
-        self._change(lambda state: self._at(self._outside(state), iteration))
+        self._change(lambda state: self._at(still(state), iteration))
 
     def _look_inside(self) -> None:
         def toggled(state: State) -> State:
-            return self._outside(state) if state.inside > 0 else self._inside(state, STEP, playing=True)
+            return still(state) if state.inside > 0 else self._inside(state, STEP, playing=True)
 
         self._change(toggled)
 
     def _to_beat(self, beat: float) -> None:
-        self._change(lambda state: self._inside(state, beat, playing=False) if beat > 0 else self._outside(state))
+        self._change(lambda state: self._inside(state, beat, playing=False) if beat > 0 else still(state))
 
     def _inside(self, state: State, position: float, *, playing: bool) -> State:
         """The state in the slow motion of an iteration, of a method with maps and a model point of it."""
@@ -165,11 +166,6 @@ class Requests(LiveState):
             self._lent = inside.inspected
         self._clock.start(inside.iteration)
         return inside
-
-    def _outside(self, state: State) -> State:
-        """The state out of the slow motion, without the model point that it has chosen itself."""
-        own, self._lent = self._lent, NO_POINT
-        return still(replace(state, inspected=NO_POINT) if state.inspected == own else state)
 
     def _seen(self) -> None:
         with self._awake:
@@ -217,7 +213,7 @@ class Requests(LiveState):
 
     def _clear(self) -> None:
         if self._state.inside > 0:
-            self._change(self._outside)
+            self._change(still)
         elif self._state.inspected != NO_POINT or self._state.scene_point != NO_POINT:
             self._change(lambda state: replace(state, inspected=NO_POINT, scene_point=NO_POINT))
 
@@ -238,10 +234,12 @@ class Requests(LiveState):
 
     def _go_to(self, there: Callable[[History], History], nowhere: str, why: str) -> None:
         def gone(state: State) -> State:
-            here = self._history.with_state(state, time.perf_counter(), self._gesture)
+            here = self._history.with_state(self._returned(state), time.perf_counter(), self._gesture)
             self._history = there(here)
             if self._history is here:
                 self._client.add_notification(nowhere, why, auto_close_seconds=4.0)
+                return state
+            self._lent = NO_POINT
             return self._history.now
 
         self._change(gone, show=True)
@@ -261,6 +259,7 @@ class Requests(LiveState):
 
         def begin(now: State) -> State:
             self._in_hand = False
+            self._lent = lent_by(state)
             self._clock.start(max(state.iteration, 0), FIRST_LOOK if state.iteration == 0 else 0.0)
             if whole:
                 return state

@@ -22,6 +22,7 @@ from ido_viz.core.library import Library
 from ido_viz.core.state import (
     BEATS,
     LAST,
+    NO_POINT,
     NORMAL_SPEED,
     State,
     StateError,
@@ -184,8 +185,10 @@ class Session(Requests):
             share = self._clock.position % 1.0
             if state.iteration == LAST or (self._run.iterations == 0 and not self._live.waiting):
                 state = replace(state, playing=False)
+        if state.inside == 0:
+            state, self._lent = self._returned(state), NO_POINT
         self._state = state
-        self._history = self._history.with_state(state, time.perf_counter(), self._gesture)
+        self._history = self._history.with_state(self._returned(state), time.perf_counter(), self._gesture)
         return state, share, asked
 
     def _frame(self, page: Page, state: State, share: float, asked: bool) -> None:

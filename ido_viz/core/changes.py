@@ -21,6 +21,11 @@ def still(state: State) -> State:
     return replace(state, playing=False, inside=0.0)
 
 
+def lent_by(state: State) -> int:
+    """The model point that goes with the slow motion of a page that is opened, when that ends; `NO_POINT` for none."""
+    return state.inspected if state.inside > 0 else NO_POINT
+
+
 def held_at_start(state: State) -> State:
     """At the start, about to be played."""
     return replace(state, iteration=0, inside=0.0, playing=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
+from ido_viz.core.changes import still
 from ido_viz.core.state import State
 
 LONGEST = 200
@@ -45,7 +46,7 @@ class History:
             gesture: number of what the hand does, from a button or key that goes down to the next; 0 for not known.
                 All that comes of one is one change, however long it takes.
         """
-        if _still(state) == _still(self.now):
+        if _look(state) == _look(self.now):
             return self._seen_from(state)
         changed = _differences(self.now, state)
         near = at - self.changed_at < (OF_ONE_HAND if changed == self.changed else AT_ONCE)
@@ -65,13 +66,13 @@ class History:
         """With the last change taken back; itself where there is none."""
         if not self.before:
             return self
-        return History(_stopped(self.before[-1]), self.before[:-1], (*self.after, self.now))
+        return History(still(self.before[-1]), self.before[:-1], (*self.after, self.now))
 
     def redone(self) -> History:
         """With what was taken back last; itself where there is none."""
         if not self.after:
             return self
-        return History(_stopped(self.after[-1]), (*self.before, self.now), self.after[:-1])
+        return History(still(self.after[-1]), (*self.before, self.now), self.after[:-1])
 
 
 def _differences(one: State, other: State) -> frozenset[str]:
@@ -82,9 +83,5 @@ def _differences(one: State, other: State) -> frozenset[str]:
     ) - {"iteration", "playing", "inside", "camera"}
 
 
-def _still(state: State) -> State:
-    return replace(state, iteration=0, playing=False, inside=0.0, camera=())
-
-
-def _stopped(state: State) -> State:
-    return replace(state, playing=False)
+def _look(state: State) -> State:
+    return replace(still(state), iteration=0, camera=())

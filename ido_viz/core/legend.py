@@ -28,7 +28,7 @@ def legend_html(frame: Frame) -> str:
         if frame.state.error_vectors:
             parts.append(f'<span style="color:{palette.css(palette.GHOST)}">╱</span> to its place')
     if any(side.run.race is not None for side in frame.sides):
-        parts.append("▸ a start, over its top")
+        parts.append("▸ a start of the race")
     ink, page = palette.css(palette.ink(dark)), palette.css(palette.PAGES[dark], 0.7)  # where it lies over a cloud
     return (
         f'<div style="font-size:min(0.75rem,0.95vw);white-space:nowrap;color:{ink};background:{page}">'

@@ -10,17 +10,21 @@ import numpy as np
 from ido import Perturbation
 from ido.experiments import LEVELS, Results, level_scene
 from ido.experiments.execution import MOST_SCENES, SEED
+from ido.experiments.families import FAMILIES
 from ido.methods import method_names
 from ido.results import ResultsError
 from ido.shipped import SHAPES, shipped_results
 from ido_viz.core.state import LAST, NO_START, State
 
 SCORES = {"PointAcc": "accuracy", "PointRMSE": "rmse"}
+_MAIN = frozenset(family.main for family in FAMILIES)
+_DELIVERED = frozenset(dict(family.variants).get("default", family.main) for family in FAMILIES)
 GROUPS: dict[str, Callable[[str], bool]] = {
-    "learned and tuned": lambda method: not method.endswith("default"),
-    "learned and default": lambda method: not method.endswith("tuned"),
-    "all": lambda method: True,
+    "one of each, tuned": _MAIN.__contains__,
+    "one of each, by default": _DELIVERED.__contains__,
+    "all variants": lambda method: True,
 }
+"""Whose curves can be drawn together; in the first two each has a colour of its own."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,7 +71,7 @@ def _method_html(name: str, basin: Basin, turn: DoubleArray, state: State) -> st
     return (
         caption(f"<b>{method_span(name, state.dark)}</b> {said}")
         + f'<svg class="basin" role="img" aria-label="{label}" viewBox="0 0 {_WIDTH * len(ANGLES):g} {_HEIGHT:g}" '
-        f'style="width:calc(100% - 16px);margin:3px 8px 6px;display:block">{maps}</svg>'
+        f'style="width:calc(100% - 26px);margin:3px 18px 6px 8px;display:block">{maps}</svg>'
     )
 
 

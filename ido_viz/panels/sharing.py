@@ -13,8 +13,8 @@ from ido_viz.core.state import Part, State, encode
 from ido_viz.panels.markup import caption
 
 _HIDING = caption(
-    "What is ticked disappears for whoever opens the link or the code. <i>Show all parts</i>, in the menu of commands "
-    "at the top, brings it back."
+    "What is ticked disappears here and for whoever opens the link or the code. <i>Show all parts</i>, in the menu of "
+    "commands at the top, brings it back."
 )
 _PARTS: dict[Part, str] = {
     "lessons": "The menu of lessons.",

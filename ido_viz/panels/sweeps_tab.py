@@ -32,7 +32,7 @@ class SweepsTab:
             "Score", tuple(SCORES), initial_value="PointAcc", hint="Share of points in place, or their mean error."
         )
         self._group = gui.add_dropdown(
-            "Methods", tuple(GROUPS), initial_value="learned and tuned", hint="Whose curves are drawn."
+            "Methods", tuple(GROUPS), initial_value=next(iter(GROUPS)), hint="Whose curves are drawn."
         )
         self._legend = gui.add_html("")
         self._plot = Plot(gui, height=150)

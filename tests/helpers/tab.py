@@ -33,7 +33,8 @@ PAUSED = State(
     playing=False,
     replay=False,
 )
-NOT_WIDGETS = ("iteration", "playing", "start", "camera")
+OF_INSPECT = ("inspected", "scene_point", "inspected_pane", "question", "coloring", "against_reference")
+NOT_WIDGETS = ("iteration", "playing", "inside", "start", "camera", *OF_INSPECT)  # that are read
 
 
 @dataclass(frozen=True)

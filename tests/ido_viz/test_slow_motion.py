@@ -56,16 +56,50 @@ def test_after_the_last_iteration_it_plays_from_the_start(open_tab: OpenTab):
 
 
 @pytest.mark.parametrize(
-    "leave", [lambda tab: tab.actions.look_inside(), lambda tab: tab.actions.jump(0), lambda tab: tab.actions.clear()]
+    "leave",
+    [
+        lambda tab: tab.actions.look_inside(),
+        lambda tab: tab.actions.jump(0),
+        lambda tab: tab.actions.step(1),
+        lambda tab: tab.actions.clear(),
+        lambda tab: tab.actions.new_seed(),
+        lambda tab: tab.actions.set_values({"noise": 0.05}),
+        lambda tab: tab.actions.pick("start", 0, 3),
+        lambda tab: (tab.actions.look_inside(), tab.actions.look_inside(), tab.actions.look_inside()),
+    ],
 )
 @pytest.mark.parametrize("picked", [NO_POINT, 7])
 def test_the_point_that_it_has_chosen_itself_goes_with_it(open_tab: OpenTab, leave: Callable[[Tab], None], picked: int):
-    tab = open_tab(replace(PAUSED, iteration=1, inspected=picked))
+    tab = open_tab(replace(PAUSED, iteration=1, inspected=picked, replay=True))
     tab.actions.to_beat(2.5)
     assert tab.settle().state.inspected != NO_POINT
     leave(tab)
     state = tab.settle().state
     assert (state.inside, state.inspected) == (0, picked)
+
+
+def test_undo_and_redo_lead_out_of_it_without_its_point(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=1))
+    tab.actions.to_beat(2.5)
+    chosen = tab.settle().state.inspected
+    tab.actions.undo()  # to look into an iteration is no change, so there is none
+    assert tab.settle().state.inspected == chosen
+    tab.actions.set_values({"difference": True})
+    tab.settle()
+    for way in (tab.actions.undo, tab.actions.redo, tab.actions.undo):
+        way()
+        state = tab.settle().state
+        assert (state.inside, state.inspected) == (0, NO_POINT)
+
+
+def test_the_point_of_a_page_that_is_opened_in_it_goes_with_it(open_tab: OpenTab):
+    tab = open_tab(replace(PAUSED, iteration=1))
+    tab.actions.open_page(replace(PAUSED, iteration=1, inside=2.5, inspected=7))
+    assert tab.settle().state.inspected == 7
+    tab.actions.clear()
+    assert tab.settle().state.inspected == NO_POINT
+    tab.actions.open_page(replace(PAUSED, iteration=1, inspected=7))
+    assert tab.settle().state.inspected == 7
 
 
 def test_a_beat_that_is_dragged_to_is_held(open_tab: OpenTab):

@@ -10,6 +10,7 @@ import pytest
 
 from ido import SHAPES, Cloud, FrontBack, Model, TrainingSettings, load_cloud, shipped_results, train
 from ido.experiments import LEVELS, Results
+from ido.experiments.families import COMPARED_METHODS, FAMILIES
 from ido.files import save_cloud
 from ido.methods import LEARNED, method_names
 from ido_viz.core.library import shipped_library
@@ -94,7 +95,11 @@ def test_every_method_can_be_told_apart() -> None:
         series = [series_of(name, dark) for name in method_names("bunny")]
         assert len({(its["stroke"], str(its.get("dash"))) for its in series}) == len(series)
     for group in GROUPS.values():
-        assert {"DO", "Improved DO", "Did nothing"} <= {name for name in method_names("bunny") if group(name)}
+        assert {"DO", "Improved DO", "Did nothing"} <= {name for name in COMPARED_METHODS if group(name)}
+    *one_of_each, _ = GROUPS.values()
+    for group in one_of_each:
+        colors = [series_of(name, dark=False)["stroke"] for name in COMPARED_METHODS if group(name)]
+        assert len(set(colors)) == len(colors) == len(FAMILIES)
 
 
 def test_a_cloud_of_ones_own_has_no_results_and_takes_no_shipped_name(tmp_path: Path) -> None:
