@@ -172,17 +172,16 @@ class App:
         path = parse_qs(urlsplit(request.path).query).get("path", ["/"])[0]  # a proxy's may be longer than ours
         return f"{origin}/{quote(path.removeprefix('/'))}{its.query.removeprefix('/')}"
 
-    def _close(self, client: viser.ClientHandle) -> None:
+    async def _close(self, client: viser.ClientHandle) -> None:
+        """Keep what a page has left; on the server's loop, or one that is reloaded at once would come before that."""
         with self._lock:
             session = self._sessions.pop(client.client_id, None)
             name = self._names.pop(client.client_id, "")
         if session is None:
             return
         if name:
-            session.leave()
             self._away.keep(name, session)
-        else:
-            session.close()
+        await asyncio.to_thread(session.leave if name else session.close)
 
 
 def _name(request: Request) -> str:

@@ -83,13 +83,13 @@ class Session(Requests):
 
     def leave(self) -> None:
         """Stop; what is computed goes on, for the page may come back."""
+        if self._workshop is not None:
+            self._workshop.leave(self._client.client_id, self._wake)
         with self._awake:
-            self._closed = True
+            self._closed = True  # from here on it can come back, as another client
             if self._page is not None:
                 self._page.close()
             self._awake.notify()
-        if self._workshop is not None:
-            self._workshop.leave(self._client.client_id, self._wake)
 
     @property
     def can_come_back(self) -> bool:

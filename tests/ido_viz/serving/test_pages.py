@@ -108,6 +108,25 @@ def test_a_page_that_is_reloaded_in_mid_frame_finds_its_session(app: App, monkey
     run(reload())
 
 
+def test_a_page_that_is_reloaded_while_the_server_is_at_work_finds_its_session(app: App):
+    name = "d" * 32
+
+    async def reload() -> None:
+        tab = HeadlessTab(f"{app.url}/?page={name}")
+        await tab.open()
+        (session,) = app._sessions.values()
+        for _ in range(64):  # clicks of a class, all at once
+            app.server._thread_executor.submit(time.sleep, 0.3)
+        await tab.close()
+        again = HeadlessTab(f"{app.url}/?page={name}")
+        await again.open()
+        found = list(app._sessions.values())
+        await again.close()
+        assert found == [session]
+
+    run(reload())
+
+
 def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(
     app: App, recwarn: pytest.WarningsRecorder, monkeypatch: pytest.MonkeyPatch
 ):
