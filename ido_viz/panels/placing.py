@@ -12,7 +12,7 @@ LARGE_TEXT = 1.25
 """How much larger text is for a projector."""
 
 # viser gives all labels the width of its widest; ours are short, and sliders must be long enough to aim with.
-# Its greys and its blue are too pale to be read from the back of a room.
+# Its greys and its blue are too pale to be read from the back of a room, and its scrollbars lie over what stands there.
 _STYLE = """
 div[style*="width: 7.25em"] { width: 5.6em !important; }
 div[style*="width: 7.25em"]:has(label:empty) { display: none; }
@@ -24,7 +24,8 @@ div[style*="width: 7.25em"]:has(label:empty) { display: none; }
   --for-text: var(--mantine-primary-color-4); }
 .mantine-Slider-markLabel, .mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
 .mantine-Button-root[data-variant="outline"] { --button-color: var(--for-text) !important; }
-.mantine-Notifications-root { top: 4.2rem !important; } /* below the methods' names */
+.mantine-Notifications-root { top: 8rem !important; } /* below the names, the opening and a lesson's verdicts */
+.mantine-ScrollArea-scrollbar[data-orientation="vertical"] { width: 7px !important; padding: 0 !important; }
 [role=tab][aria-selected=true] { color: var(--for-text) !important; }
 """
 _CLOSER_TABS = "[role=tab] { padding-inline: 0.35rem !important; }"  # all in one row, also with large text

@@ -12,14 +12,18 @@ _SLACK = 1e-9  # what sliders' rounding may add
 
 
 def reach_html(frame: Frame) -> str:
-    """The range of both sides' maps, and what of the scene lies beyond; nothing where no maps are shown."""
+    """The range of both sides' maps, or what of the scene lies beyond; nothing where no maps are shown.
+
+    One line for either, so that what stands below stays in its place while a slider is dragged.
+    """
     trained = [side.run.maps for side in frame.sides if side.run.maps is not None]
     if not trained:
         return ""
-    ends = [f"{maps.settings.rotation:g}° and {maps.settings.translation:g}" for maps in trained]
-    known = f"Trained on turns and shifts of up to {' or '.join(dict.fromkeys(ends))}."
     found = dict.fromkeys(text for maps in trained for text in beyond(maps, frame.state))
-    return caption(known + (f"<br><b>Beyond the training:</b> {', '.join(found)}." if found else ""))
+    if found:
+        return caption(f"<b>Beyond training:</b> {', '.join(found)}")
+    ends = [f"{maps.settings.rotation:g}° and {maps.settings.translation:g}" for maps in trained]
+    return caption(f"Trained on turns and shifts of up to {' or '.join(dict.fromkeys(ends))}.")
 
 
 def beyond(maps: Maps, state: State) -> list[str]:

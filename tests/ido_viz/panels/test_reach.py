@@ -44,6 +44,7 @@ def test_a_wider_training_reaches_farther_and_a_carried_scene_counts_where_it_li
 def test_the_page_says_the_range_of_the_shown_maps_and_nothing_of_baselines():
     text = reach_html(frame_with(State()))
     assert "up to 90° and 0.3" in text and "Beyond" not in text
-    assert "rotation 130 > 90" in reach_html(frame_with(State(perturbation=Perturbation(rotation=130.0))))
+    far = reach_html(frame_with(State(perturbation=Perturbation(rotation=130.0, translation=0.5))))
+    assert "rotation 130 > 90, translation 0.5 > 0.3" in far and "<br>" not in far
     baselines = State(left="ICP, default", right="ICP, tuned")
     assert reach_html(frame_with(baselines)) == ""
