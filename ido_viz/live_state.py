@@ -24,6 +24,12 @@ from ido_viz.page import Page
 AFTER_A_CHANGE = 0.7
 """Seconds without another change of the scene, after which it is played."""
 
+IN_HAND = 60.0
+"""The same while a slider or the handles are held."""
+
+AFTER_LETTING_GO = 0.3
+"""The same once they were let go."""
+
 
 class LiveState:
     """A page's state, what is computed of it, and how both are changed.
@@ -64,6 +70,7 @@ class LiveState:
         self._first_look = False  # whether a page that plays has yet to be seen
         self._in_hand = False  # whether what is waited for is the end of a change
         self._hand = Hand()
+        self._holds = False  # whether a slider is held
 
     def _change(
         self, change: Callable[[State], State], *, show: bool = False, replays_after: float | None = None
@@ -127,7 +134,7 @@ class LiveState:
     def _replay(self, wait: float) -> None:
         """Show the start, and play after so many seconds without another change; called with the lock held."""
         self._state = held_at_start(self._state)
-        self._clock.start(0.0, wait)
+        self._clock.start(0.0, IN_HAND if self._holds else wait)
         self._first_look, self._in_hand = False, True
 
     def _shown(self, state: State) -> int:

@@ -24,7 +24,7 @@ from ido_viz.panels.captions import Captions
 from ido_viz.panels.compare_tab import CompareTab
 from ido_viz.panels.controls import Controls
 from ido_viz.panels.errors_tab import ErrorsTab
-from ido_viz.panels.from_browser import GESTURE, OPEN_TABS, unseen_field
+from ido_viz.panels.from_browser import GESTURE, OPEN_TABS, read_gesture, unseen_field
 from ido_viz.panels.help_tab import HelpTab
 from ido_viz.panels.histograms_tab import HistogramsTab
 from ido_viz.panels.in_browser import open_tab, tabs_before
@@ -117,7 +117,7 @@ class Page:
         self._open = _FIRST_OPEN
         self._redraw, self._seen = actions.redraw, actions.seen
         unseen_field(gui, OPEN_TABS, self._tabs_opened)
-        unseen_field(gui, GESTURE, lambda text: actions.gesture(int(text) if text.isdecimal() and len(text) < 9 else 0))
+        unseen_field(gui, GESTURE, lambda text: actions.gesture(*read_gesture(text)))
         self._placing = Placing(gui, upper, lower)
         self._parts = self._controls.parts
         self._parts |= {

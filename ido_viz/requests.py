@@ -27,16 +27,10 @@ from ido_viz.core.history import History
 from ido_viz.core.inside import STEP
 from ido_viz.core.state import NO_CAMERA, NO_POINT, NO_START, OF_SCENE, State, StateError, decode, with_values
 from ido_viz.core.sweep_results import Choice
-from ido_viz.live_state import AFTER_A_CHANGE, LiveState
+from ido_viz.live_state import AFTER_A_CHANGE, AFTER_LETTING_GO, IN_HAND, LiveState
 
 FIRST_LOOK = 2.0
 """Seconds that a new page stands still before it plays."""
-
-IN_HAND = 60.0
-"""As `AFTER_A_CHANGE`, while the handles are held."""
-
-AFTER_LETTING_GO = 0.3
-"""The same once they were let go."""
 
 _LARGEST_NEW_SEED = 9_999  # short enough to be told across a room
 
@@ -72,7 +66,7 @@ class Requests(LiveState):
             pick=self._pick,
             clear=self._clear,
             grab=self._grab,
-            gesture=self._begin_gesture,
+            gesture=self._hand_does,
             look=self._look,
             look_inside=self._look_inside,
             to_beat=self._to_beat,
@@ -188,8 +182,12 @@ class Requests(LiveState):
             at_start = {"iteration": 0, "playing": False, "inside": 0.0}  # where it is in the hand
             self._change(lambda state: replace(state, start=start, **at_start), show=True, replays_after=wait)
 
-    def _begin_gesture(self, number: int) -> None:
-        self._gesture = number
+    def _hand_does(self, number: int, holds: bool) -> None:
+        with self._awake:
+            self._gesture, held, self._holds = number, self._holds, holds
+            if holds != held and self._in_hand and self._state.playing and self._clock.waits:
+                self._clock.start(0.0, IN_HAND if holds else AFTER_LETTING_GO)
+                self._awake.notify()
 
     def _click(self, origin: FloatArray, direction: FloatArray) -> None:
         run = self._run

@@ -49,8 +49,9 @@ class Actions:
     clear: Callable[[], None]
     grab: Callable[[int, str, FloatArray], None]
     """Called with a pane's number, the phase of a gesture (start, update, end) and where its handles are, (4, 4)."""
-    gesture: Callable[[int], None]
-    """Called with a new number when a hand begins to do something: a button or key goes down."""
+    gesture: Callable[[int, bool], None]
+    """Called with a new number when a hand begins to do something, as a button or key goes down, and with whether it
+    holds a slider; with the same number when it lets go of that."""
     look: Callable[[tuple[float, ...]], None]
     """Called with where a person looks from, as the state's camera has it."""
     seen: Callable[[], None]

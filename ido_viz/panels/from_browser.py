@@ -15,7 +15,8 @@ OPEN_TABS = "Open tabs"
 """Label of the field that tells which tabs are open."""
 
 GESTURE = "Gesture"
-"""Label of the field that tells the number of what the hand does, from a button or key that goes down to the next."""
+"""Label of the field that tells the number of what the hand does, from a button or key that goes down to the next, and
+whether it holds a slider."""
 
 # The keyboard passes the fields by, too; they must be in the page for the script to find them.
 _STYLE = """<style>
@@ -34,3 +35,9 @@ def unseen_field(gui: viser.GuiApi, label: str, told: Callable[[str], None]) -> 
     gui.add_html(_STYLE)
     field = gui.add_text(label, "", hint="The script of the page writes here.")
     field.on_update(at_once(told))
+
+
+def read_gesture(text: str) -> tuple[int, bool]:
+    """The number of what the hand does, 0 for nonsense, and whether it holds a slider."""
+    number, _, holds = text.partition(" ")
+    return (int(number) if number.isdecimal() and len(number) < 9 else 0), holds == "held"

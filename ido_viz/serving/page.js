@@ -126,16 +126,18 @@
   };
 
   // All that a hand does in one go, from a button or key that goes down to the next that does, is one change, however
-  // long it takes; so these are counted. The count is not that of a page that this one goes on from. viser sends a
-  // message of a panel every 50 milliseconds, and of those in between the last one alone: the count is told when the
-  // hand rests, or it would take the place of a value.
+  // long it takes; so these are counted. The count is not that of a page that this one goes on from. It is also told
+  // whether a slider is held, for then its scene stays in the hand. viser sends a message of a panel every 50
+  // milliseconds, and of those in between the last one alone: this is told when the hand rests, or it would take the
+  // place of a value.
   const RESTING = 120; // milliseconds
-  let [gestures, lastMove, counting] = [Date.now() % 1e7, -RESTING, null];
+  let [gestures, holds, lastMove, counting] = [Date.now() % 1e7, false, -RESTING, null];
   function tellGesture() {
     const left = lastMove + RESTING - performance.now();
     counting = left > 0 ? setTimeout(tellGesture, left) : null;
     const input = left > 0 ? null : field("Gesture");
-    if (input) write(input, `${gestures}`);
+    const text = `${gestures}${holds ? " held" : ""}`;
+    if (input && input.value !== text) write(input, text);
   }
   const moves = (event) => {
     if (event.isTrusted && (event.type !== "pointermove" || event.buttons)) lastMove = performance.now();
@@ -146,11 +148,22 @@
       (event) => {
         if (event.repeat) return;
         gestures += 1;
+        holds = kind === "pointerdown" && Boolean(event.target.closest?.(".mantine-Slider-root"));
         if (counting === null) tellGesture();
       },
       true,
     );
   for (const kind of ["pointerdown", "pointermove", "pointerup", "keydown", "input"]) addEventListener(kind, moves, true);
+  for (const kind of ["pointerup", "pointercancel", "blur"])
+    addEventListener(
+      kind,
+      (event) => {
+        if (!holds || (kind === "blur" && event.target !== window)) return;
+        holds = false;
+        if (counting === null) tellGesture();
+      },
+      true,
+    );
 
   // The browser makes no click of a button that goes down and up on a picture which was replaced meanwhile, as pictures
   // are while the page plays. So a click is here what goes up where it went down.

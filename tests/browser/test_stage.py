@@ -15,6 +15,7 @@ from ido_viz.canvas.pane import PANE_OFFSETS
 from ido_viz.core import history
 from ido_viz.core.geometry import VIEW_DIRECTION, upright
 from ido_viz.core.state import NO_CAMERA, NO_START
+from ido_viz.live_state import AFTER_A_CHANGE
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 
@@ -79,6 +80,24 @@ def test_a_drag_is_one_change_however_slow(open_explorer: OpenExplorer, monkeypa
     explorer.wait_until("the noise", lambda: explorer.state().perturbation.noise == dragged != before.noise)
     explorer.page.keyboard.press("Control+z")
     explorer.wait_until("what was before", lambda: explorer.state().perturbation == before)
+
+
+def test_a_slider_that_is_held_still_keeps_its_scene_at_the_start_until_it_is_let_go(explorer: Explorer):
+    explorer.tick("Play a change")
+    thumb = box_of(explorer.row("Rotation").get_by_role("slider"))
+    mouse = explorer.page.mouse
+    mouse.move(thumb["x"] + thumb["width"] / 2, thumb["y"] + thumb["height"] / 2)
+    mouse.down()
+    mouse.move(thumb["x"] + 30, thumb["y"] + thumb["height"] / 2, steps=4)
+
+    def is_foretold() -> bool:
+        return all("will end" in verdict for verdict in explorer.verdicts())
+
+    explorer.wait_until("what will come of it", is_foretold)
+    explorer.pause(int(3000 * AFTER_A_CHANGE))
+    assert explorer.iteration() == 0 and is_foretold()
+    mouse.up()
+    explorer.wait_until("it to play", lambda: explorer.iteration() > 0)
 
 
 def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenExplorer):

@@ -143,6 +143,35 @@ def test_it_waits_until_nothing_changes_any_more(open_tab: OpenTab):
     assert moved.at - newest.at > 0.9 * requests.AFTER_A_CHANGE
 
 
+def test_a_slider_that_is_held_still_keeps_the_scene_in_the_hand_until_it_is_let_go(open_tab: OpenTab):
+    tab = open_tab(REPLAYING)
+    tab.set(rotation=40.0)
+    tab.actions.gesture(1, True)
+    tab.wait("the start", lambda: tab.shown.held)
+    time.sleep(2 * requests.AFTER_A_CHANGE)
+    assert tab.shown.held
+    tab.set(rotation=50.0)  # the hand goes on
+    tab.wait("the new start", lambda: tab.shown.state.perturbation.rotation == 50)
+    time.sleep(2 * requests.AFTER_A_CHANGE)
+    assert tab.shown.held
+    let_go = time.perf_counter()
+    tab.actions.gesture(1, False)
+    played(tab)
+    moved = next(frame for frame in tab.frames if frame.at > let_go and frame.iteration > 0)
+    assert moved.at - let_go > 0.9 * requests.AFTER_LETTING_GO
+
+
+def test_a_hand_that_holds_nothing_that_waits_changes_nothing(open_tab: OpenTab):
+    tab = open_tab(REPLAYING)
+    for held in (True, False, True):
+        tab.actions.gesture(1, held)
+    shown = tab.settle()
+    assert (shown.state.playing, shown.state.iteration, shown.held) == (False, LAST, False)
+    tab.actions.gesture(2, False)
+    tab.set(rotation=50.0)
+    played(tab)
+
+
 @pytest.mark.parametrize(
     "change",
     [

@@ -11,6 +11,7 @@ from tab import PAUSED, Tab
 from ido.bin_order import bin_order
 from ido_viz.core.library import shipped_library
 from ido_viz.core.state import NO_POINT, State
+from ido_viz.panels.from_browser import read_gesture
 from ido_viz.panels.picking import Click, read_click
 
 
@@ -67,3 +68,11 @@ def test_escape_lets_go_of_what_was_picked(open_tab: Callable[..., Tab]):
     tab.actions.clear()
     state = tab.settle().state
     assert state == replace(PAUSED, inspected=NO_POINT, scene_point=NO_POINT)
+
+
+def test_what_a_hand_does_is_read_and_nonsense_holds_nothing():
+    assert read_gesture("1234567") == (1234567, False)
+    assert read_gesture("1234567 held") == (1234567, True)
+    for text in ("", "held", "x" * 99, "-3", "1e9", "9" * 40, "12 holds"):
+        number, holds = read_gesture(text)
+        assert not holds and number in (0, 12)
