@@ -29,7 +29,7 @@ from ido_viz.own.draft import Draft, read_draft
 from ido_viz.serving.entrance import Entrance
 from ido_viz.serving.guests import OriginError, read_origins
 from ido_viz.serving.listening import ListenError, listen, opens_to_others
-from ido_viz.serving.room import usual_room
+from ido_viz.serving.room import open_enough_files, usual_room
 from ido_viz.serving.servers import Ready, ServersError, serve_with, shares_of, usual_servers
 from ido_viz.teach.content import ContentError
 from ido_viz.teach.lessons import lesson
@@ -97,6 +97,7 @@ def run() -> int:
     try:
         if any(number is not None and number < 1 for number in (options.sessions, options.servers)):
             raise StateError("--sessions and --servers must be at least 1")
+        open_enough_files()
         servers = options.servers or usual_servers(is_open=opens_to_others(options.host))
         if servers == 1:
             serve(options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from dataclasses import dataclass
 
@@ -10,6 +11,10 @@ A_PROCESSOR = 30
 
 A_PAGE = 20_000_000
 """Bytes of memory that are reckoned for a page by default; one took a quarter of that."""
+
+
+OPEN_FILES = 8192
+"""Of a process, where the system lets it."""
 
 
 @dataclass
@@ -32,6 +37,22 @@ def usual_room() -> int:
         return processors
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     return max(1, min(processors, memory // A_PAGE))
+
+
+def open_enough_files() -> None:
+    """Let this process and those that it starts have as many connections open as there are pages in a full room.
+
+    A page takes two where several servers stand behind one address; some systems give 256 unless asked for more.
+    """
+    try:
+        import resource
+    except ImportError:  # on Windows there is no such limit
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = OPEN_FILES if hard == resource.RLIM_INFINITY else min(OPEN_FILES, hard)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        with contextlib.suppress(ValueError, OSError):  # a system may promise more than it gives
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 FULL = """<!doctype html>
