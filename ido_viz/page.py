@@ -17,6 +17,7 @@ from ido_viz.core.state import State
 from ido_viz.files.downloads import DownloadFolder
 from ido_viz.own.own_cloud_tab import NAME as OWN_CLOUD
 from ido_viz.own.own_cloud_tab import OwnCloudTab
+from ido_viz.own.own_scan import LastScan
 from ido_viz.own.workshop import Workshop
 from ido_viz.panels.address_bar import AddressBar
 from ido_viz.panels.basin_tab import BasinTab
@@ -58,6 +59,7 @@ class Page:
         actions: what they do.
         step: of a lesson, that the page begins with; empty for none.
         workshop: of clouds of one's own; None for no such tab.
+        last_scan: that the page has registered before it was reloaded.
     """
 
     def __init__(
@@ -68,6 +70,7 @@ class Page:
         actions: Actions,
         step: str = "",
         workshop: Workshop | None = None,
+        last_scan: LastScan | None = None,
     ) -> None:
         gui = client.gui
         gui.set_panel_label("IDO Explorer")
@@ -91,7 +94,9 @@ class Page:
         self._workshop, self._own = workshop, None
         if workshop is not None:
             with upper.add_tab(OWN_CLOUD):
-                self._own = OwnCloudTab(client, workshop, state, actions.show_shape, self._show_panes)
+                self._own = OwnCloudTab(
+                    client, workshop, last_scan or LastScan(), state, actions.show_shape, self._show_panes
+                )
         with upper.add_tab("Derivations"):
             self._derivations = DerivationsTab(gui)
         with upper.add_tab("Help"):

@@ -28,6 +28,7 @@ from ido_viz.core.state import (
     StateError,
 )
 from ido_viz.core.turns import Turns
+from ido_viz.own.own_scan import LastScan
 from ido_viz.own.workshop import Workshop
 from ido_viz.page import Page
 from ido_viz.requests import FIRST_LOOK, Requests
@@ -65,6 +66,7 @@ class Session(Requests):
         super().__init__(client, library, state, address)
         self._lesson_step = step
         self._workshop = workshop
+        self._last_scan = LastScan()
         self._thread = self._new_thread()
 
     def start(self) -> None:
@@ -124,7 +126,13 @@ class Session(Requests):
         try:
             with _TURNS.turn(), self._client.atomic():
                 page = Page(
-                    self._client, self._library, self._state, self._actions(), self._lesson_step, self._workshop
+                    self._client,
+                    self._library,
+                    self._state,
+                    self._actions(),
+                    self._lesson_step,
+                    self._workshop,
+                    self._last_scan,
                 )
         except Exception as error:  # without a page there is nothing to serve, but a person must hear of it
             _log.exception("page failed")

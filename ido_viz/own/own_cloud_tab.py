@@ -11,6 +11,7 @@ from ido_viz.core.state import State
 from ido_viz.own.draft import Draft
 from ido_viz.own.draft_folder import DraftFolder
 from ido_viz.own.kept_folder import KeptFolder, card_html
+from ido_viz.own.own_scan import LastScan
 from ido_viz.own.own_scan_folder import OwnScanFolder
 from ido_viz.own.preview import Preview
 from ido_viz.own.train_folder import TrainFolder
@@ -25,6 +26,7 @@ class OwnCloudTab:
     Args:
         client: the page.
         workshop: of the server.
+        last_scan: of the page, also before it was reloaded.
         state: what the page begins with.
         show_shape: called with the name of a shape that the panes are to show.
         show_panes: hides or shows the panes.
@@ -34,6 +36,7 @@ class OwnCloudTab:
         self,
         client: viser.ClientHandle,
         workshop: Workshop,
+        last_scan: LastScan,
         state: State,
         show_shape: Callable[[str], None],
         show_panes: Callable[[bool], None],
@@ -44,7 +47,7 @@ class OwnCloudTab:
         self._preview = Preview(client, show_panes, dark=state.dark)
         self._draft = DraftFolder(gui, workshop, self._preview, self._estimate)
         self._train = TrainFolder(client, workshop, state, self._draft, self._show)
-        self._scan = OwnScanFolder(client, workshop, self._preview, lambda: self._state.shape)
+        self._scan = OwnScanFolder(client, workshop, self._preview, last_scan, lambda: self._state.shape)
         self._kept = KeptFolder(client, workshop, self._show)
         self._card = gui.add_html("")  # of maps that the server began with
 
@@ -54,6 +57,7 @@ class OwnCloudTab:
         self.refresh()
         with self._turn:
             self._kept.choose(self._state.shape)
+        self._scan.begin()
         draft = self._workshop.draft
         if draft is not None:
             self._draft.begin(draft, None)

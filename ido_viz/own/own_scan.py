@@ -12,6 +12,7 @@ from ido.poses import transform
 from ido.scans import RegisteredScan, ScanSettings, registered_scan
 from ido.types import FloatArray
 from ido.user_units import Start, registered_points
+from ido_viz.core.library import Subject
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,6 +34,21 @@ class OwnScan:
     scan: RegisteredScan
     placed: FloatArray
     distance: float
+
+
+@dataclass(slots=True)
+class LastScan:
+    """The scan that a page has registered last; it outlives the page, which may be reloaded.
+
+    Args:
+        found: what came of it; None before the first.
+        subject: onto which it was registered.
+        on_model: whether it is shown there, instead of the panes.
+    """
+
+    found: OwnScan | None = None
+    subject: Subject | None = None
+    on_model: bool = False
 
 
 def registered_own(

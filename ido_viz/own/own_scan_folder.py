@@ -17,10 +17,9 @@ from ido import CloudError
 from ido.files import save_cloud
 from ido.scans import as_json
 from ido.user_units import Start
-from ido_viz.core.library import Subject
 from ido_viz.own.draft import file_name, shown_name
 from ido_viz.own.kept import TRAINED
-from ido_viz.own.own_scan import OwnScan, registered_own
+from ido_viz.own.own_scan import LastScan, OwnScan, registered_own
 from ido_viz.own.preview import Preview
 from ido_viz.own.workshop import Workshop
 from ido_viz.panels.markup import caption, table_html
@@ -39,16 +38,20 @@ class OwnScanFolder:
         client: the page.
         workshop: of the server.
         preview: of the page.
+        last: of the page, also before it was reloaded.
         shape: gives the name of the shape that the page shows.
     """
 
     def __init__(
-        self, client: viser.ClientHandle, workshop: Workshop, preview: Preview, shape: Callable[[], str]
+        self,
+        client: viser.ClientHandle,
+        workshop: Workshop,
+        preview: Preview,
+        last: LastScan,
+        shape: Callable[[], str],
     ) -> None:
         gui = client.gui
-        self._client, self._workshop, self._preview, self._shape = client, workshop, preview, shape
-        self._found: OwnScan | None = None
-        self._subject: Subject | None = None  # that it is of
+        self._client, self._workshop, self._preview, self._last, self._shape = client, workshop, preview, last, shape
         with gui.add_folder("A scan of one's own"):
             self._start = gui.add_dropdown(
                 "Start", get_args(Start), hint="Where the scan lies, or with its middle moved onto the model's."
@@ -62,32 +65,40 @@ class OwnScanFolder:
             ways = {"Pose (.json)": self._send_pose, "Moved scan (.ply)": self._send_moved}
             self._ways = gui.add_button_group("Download", tuple(ways), visible=False, hint="In the unit of the cloud.")
         self._upload.on_upload(lambda event: self._read(event.target.value.name, event.target.value.content))
-        self._box.on_update(lambda event: self._show() if event.client else None)
+        self._box.on_update(lambda event: self._show(event.target.value) if event.client else None)
         self._ways.on_click(lambda event: ways[event.target.value]())
+
+    def begin(self) -> None:
+        """Show what there is already, once the page is built."""
+        if self._last.found is not None:
+            self._tell(self._last.found)
+            self._show(self._last.on_model)
 
     def end_preview(self) -> None:
         """Show the panes again."""
-        self._box.value = False
+        self._box.value = self._last.on_model = False
 
     def _read(self, name: str, content: bytes) -> None:
         self._upload.disabled = True
         self._text.content = caption(f"Registering {html.escape(shown_name(name))}…")
         try:
-            self._found = self._registered(name, content)
+            found = self._last.found = self._registered(name, content)
         except CloudError as error:
             self._text.content = caption(f"<b>This file cannot be used.</b> {html.escape(str(error))}")
         except Exception as error:  # the page must outlive it, and the person hear of it
             _log.exception("scan failed")
             self._text.content = caption(f"<b>This scan cannot be registered.</b> {html.escape(repr(error))}")
         else:
-            self._text.content = scan_html(self._found)
-            self._pose.value = json.dumps(self._found.scan.T_model_scene.tolist())
-            for handle in (self._box, self._pose, self._ways):
-                handle.visible = True
-            self._box.value = True
-            self._show()
+            self._tell(found)
+            self._show(True)
         finally:
             self._upload.disabled = False
+
+    def _tell(self, found: OwnScan) -> None:
+        self._text.content = scan_html(found)
+        self._pose.value = json.dumps(found.scan.T_model_scene.tolist())
+        for handle in (self._box, self._pose, self._ways):
+            handle.visible = True
 
     def _registered(self, name: str, content: bytes) -> OwnScan:
         shape = self._shape()
@@ -98,24 +109,28 @@ class OwnScanFolder:
         unit = self._workshop.unit_of(shape)
         file, used = self._workshop.open(name, content)
         start: Start = "centre" if self._start.value == "centre" else "here"
-        self._subject = subject
+        self._last.subject = subject
         return registered_own(subject.maps[method](), method, unit, shown_name(name), file, used, start)
 
-    def _show(self) -> None:
-        if self._box.value and self._found is not None and self._subject is not None:
-            self._preview.show_scan(self._found.name, self._subject, self._found.placed)
+    def _show(self, on_model: bool) -> None:
+        last = self._last
+        self._box.value = last.on_model = on_model
+        if on_model and last.found is not None and last.subject is not None:
+            self._preview.show_scan(last.found.name, last.subject, last.found.placed)
         else:
             self._preview.hide()
 
     def _send_pose(self) -> None:
-        if self._found is not None:
-            content = json.dumps(pose_of(self._found), indent=2, allow_nan=False).encode()
-            self._client.send_file_download(_file_name(self._found, "-pose.json"), content, save_immediately=True)
+        found = self._last.found
+        if found is not None:
+            content = json.dumps(pose_of(found), indent=2, allow_nan=False).encode()
+            self._client.send_file_download(_file_name(found, "-pose.json"), content, save_immediately=True)
 
     def _send_moved(self) -> None:
-        if self._found is not None:
-            content = moved_ply(self._found, self._workshop.shelf.folder)
-            self._client.send_file_download(_file_name(self._found, "-moved.ply"), content, save_immediately=True)
+        found = self._last.found
+        if found is not None:
+            content = moved_ply(found, self._workshop.shelf.folder)
+            self._client.send_file_download(_file_name(found, "-moved.ply"), content, save_immediately=True)
 
 
 def _file_name(found: OwnScan, ending: str) -> str:

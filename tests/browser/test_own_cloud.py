@@ -61,6 +61,11 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
 
     upload(explorer, "Upload a scan", tmp_path / "scan.xyz")
     page.get_by_text("histogram distance").wait_for()
+    explorer.wait_until("it on the model", lambda: explorer.row("On the model").get_by_role("checkbox").is_checked())
+    page.reload()
+    explorer.wait_ready().open_tab("Own cloud")
+    page.get_by_text("histogram distance").wait_for()
+    assert explorer.row("On the model").get_by_role("checkbox").is_checked()
     with page.expect_download() as download:
         explorer.press("Moved scan (.ply)")
     assert download.value.suggested_filename == "ido-scan-moved.ply"
