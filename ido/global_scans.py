@@ -104,7 +104,7 @@ def register_globally(
     except ValueError as error:  # too few points, or all in one place
         raise CloudError(f"{Path(cloud).name}: {error}") from error
     confidence = Confidence.of(result)
-    found = (*_of_size(points, model.sample), *confidence.reasons)
+    found = (*_of_size(points, model.planes.sample), *confidence.reasons)
     return GlobalScan(
         file, used, result.searched, frame.pose_in_user_units(result.T_model_scene), confidence, frame, found
     )

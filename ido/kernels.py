@@ -32,6 +32,25 @@ def pose_of(x: FloatArray) -> DoubleArray:
 
 
 @compiled()
+def left_jacobian(turn: FloatArray) -> DoubleArray:
+    """How the turn by a rotation vector (3,) changes with it: exp(turn + δ) ≈ exp(J δ) exp(turn); shape (3, 3)."""
+    a, b, c = turn[0], turn[1], turn[2]
+    angle2 = a * a + b * b + c * c
+    angle = np.sqrt(angle2)
+    if angle > 1e-4:
+        cosine, rest = (1 - np.cos(angle)) / angle2, (1 - np.sin(angle) / angle) / angle2
+    else:  # Taylor series, exact to double precision
+        cosine, rest = 0.5 - angle2 / 24, 1 / 6 - angle2 / 120
+    cross = np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
+    J = np.eye(3)
+    for i in range(3):
+        for j in range(3):
+            square = turn[i] * turn[j] - (angle2 if i == j else 0.0)
+            J[i, j] += cosine * cross[i, j] + rest * square
+    return J
+
+
+@compiled()
 def move(points: FloatArray, starts: np.ndarray, x: FloatArray) -> DoubleArray:
     """The points (N, 3) of many scenes in the model frame: points[starts[i]:starts[i+1]] moved by x[i] (6,).
 

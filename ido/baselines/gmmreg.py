@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from ido import poses
 from ido.baselines.baseline import Baseline, Record
 from ido.baselines.gaussian import Normalisation, gaussian_sums, normalised
+from ido.kernels import left_jacobian
 from ido.registration import StopReason
 from ido.types import DoubleArray, FloatArray
 
@@ -86,14 +87,4 @@ def correlation_cost(
     scale = np.exp(-sums.nearest2 / sigma**2) / (len(model) * len(scene))
     gradient = -2 / sigma**2 * scale[:, None] * sums.offset
     torque = np.cross(moved - T[:3, 3], gradient).sum(axis=0)
-    return -float(scale @ sums.weight), np.concatenate(
-        [gradient.sum(axis=0), _left_jacobian(parameters[3:]).T @ torque]
-    )
-
-
-def _left_jacobian(phi: FloatArray) -> DoubleArray:
-    angle = float(np.linalg.norm(phi))
-    cross = np.array([[0.0, -phi[2], phi[1]], [phi[2], 0.0, -phi[0]], [-phi[1], phi[0], 0.0]])
-    if angle < 1e-4:
-        return np.eye(3) + cross / 2 + cross @ cross / 6
-    return np.eye(3) + (1 - np.cos(angle)) / angle**2 * cross + (angle - np.sin(angle)) / angle**3 * cross @ cross
+    return -float(scale @ sums.weight), np.concatenate([gradient.sum(axis=0), left_jacobian(parameters[3:]).T @ torque])

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from ido.global_registration.evidence import Evidence
-from ido.global_registration.global_method import GlobalResult
+from ido.global_registration.global_result import GlobalResult
 from ido.shipped import asset
 from ido.types import DoubleArray
 

@@ -10,19 +10,16 @@ from scipy.optimize import minimize
 from ido.compiling import compiled
 from ido.global_registration.fields import REACH, Field
 from ido.global_registration.outliers import Background
-from ido.kernels import pose_of
+from ido.global_registration.planes import NO_PLANE, Planes
+from ido.kernels import left_jacobian, pose_of
 from ido.poses import transform
 from ido.types import DoubleArray, FloatArray
 
 _SOFT = 0.02  # how gradually the kept side ends, model units
 _LEAST_SEEN = 0.1  # a plane keeps at least so much of the model
-_DIRECTIONS = 64
-_WITHIN = 0.97  # share of the explained points that the first plane keeps
+_LEAST_DENSITY = 1e-12  # of outliers, where shares leave none
 _UNIT = 0.02  # of the parameters: about as far as a pose may be from the top (rad, model units)
 _ITERATIONS = 30
-
-NO_PLANE = (np.array([1.0, 0.0, 0.0]), 1e3)
-"""Normal and offset of a plane beyond everything (model units)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,29 +55,18 @@ def refine(posterior: Posterior, T: DoubleArray, *, cut: bool) -> Refined:
     tangents = np.linalg.svd(normal[None])[2][1:]
     free = 9 if cut else 6
 
-    def place(parameters: DoubleArray) -> tuple[DoubleArray, DoubleArray, float]:
-        full = np.zeros(9)
-        full[:free] = _UNIT * parameters
-        tilted = normal + full[6:8] @ tangents
-        motion = np.concatenate([np.zeros(3), full[3:6]])
-        moved = pose_of(motion) @ T
-        moved[:3, 3] += full[:3]
-        return moved, tilted, offset + full[8]
-
     def value(parameters: DoubleArray) -> tuple[float, DoubleArray]:
-        moved, tilted, at = place(parameters)
-        length = float(np.linalg.norm(tilted))
-        likelihood, gradient = posterior(moved, tilted / length, at)
-        about = gradient[3:6] - np.cross(_UNIT * parameters[:3], gradient[:3])  # the turn comes before the shift
-        gradient[3:6] = left_jacobian(_UNIT * parameters[3:6]).T @ about
-        along = gradient[6:9] - tilted * (tilted @ gradient[6:9]) / length**2
-        reduced = np.concatenate([gradient[:6], tangents @ along / length, gradient[9:]])
-        return -likelihood, -_UNIT * reduced[:free]
+        step, gradient = np.zeros(9), np.zeros(9)
+        step[:free] = _UNIT * parameters
+        likelihood = likelihood_after(*data, T, normal, tangents, offset, step, gradient)
+        return -likelihood, -_UNIT * gradient[:free]
 
+    data, T = posterior.data, np.ascontiguousarray(T, dtype=np.float64)
     found = minimize(value, np.zeros(free), jac=True, method="BFGS", options={"maxiter": _ITERATIONS, "gtol": 1e-5})
-    moved, tilted, at = place(found.x)
-    normal = tilted / np.linalg.norm(tilted)
-    return Refined(posterior.field.sigma, moved, normal, at, posterior.shares, -float(found.fun))
+    step = np.zeros(9)
+    step[:free] = _UNIT * found.x
+    moved, tilted = _moved(T, normal, tangents, step)
+    return Refined(posterior.field.sigma, moved, tilted, offset + step[8], posterior.shares, -float(found.fun))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,66 +77,49 @@ class Posterior:
         points: the scene, shape (S, 3), float32, model units.
         background: its outliers.
         field: the model's density, of the width that fits the noise.
-        model: points of the model, which measure how much of it a plane keeps, shape (M, 3), float32.
+        planes: of the model, whose sample measures how much of it any plane keeps.
         shares: of the model and of the ball among the scene's points, shape (2,).
     """
 
     points: FloatArray
     background: Background
     field: Field
-    model: FloatArray
+    planes: Planes
     shares: DoubleArray
+
+    @property
+    def model(self) -> FloatArray:
+        """Points of the model, shape (M, 3), float32."""
+        return self.planes.sample
 
     def __call__(self, T: FloatArray, normal: DoubleArray, offset: float) -> tuple[float, DoubleArray]:
         """Log-likelihood per scene point, and its gradient by shift (3), turn about the model's origin (3), the plane's
         normal (3) and offset; shape (10,)."""
         gradient = np.zeros(10)
-        soft = np.hypot(
-            _SOFT, 0.55 * self.field.sigma
-        )  # the logistic curve that is nearest to the smeared model's edge
+        T = np.ascontiguousarray(T, dtype=np.float64)
+        return plane_likelihood(*self.data, T, normal, offset, gradient), gradient
+
+    @property
+    def data(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, DoubleArray]:
+        """The first arguments of `plane_likelihood`."""
+        soft = np.hypot(_SOFT, 0.55 * self.field.sigma)  # the logistic curve nearest to the smeared model's edge
         numbers = np.array([REACH, self.field.step, self.background.uniform, *self.shares, _SOFT, soft])
-        ball, density = self.background.ball, self.field.density
-        value = plane_likelihood(self.points, ball, density, self.model, numbers, T, normal, offset, gradient)
-        return value, gradient
+        return self.points, self.background.ball, self.field.density, self.model, numbers
 
     def explained(self, T: DoubleArray) -> DoubleArray:
         """Each scene point's probability of being of the model, without a plane; shape (S,)."""
-        model, ball = self.shares
-        p = model * self.field(transform(T, self.points)).astype(np.float64)
-        return p / (p + ball * self.background.ball + (1 - model - ball) * self.background.uniform)
+        odds = self._odds(transform(T, self.points))
+        return odds / (1 + odds)
 
     def first_plane(self, T: DoubleArray) -> tuple[DoubleArray, float]:
-        """Of planes in many directions, each just beyond the explained points, the one that keeps least of the model.
+        """The likeliest of many planes at a pose: its unit normal (3,) and its offset."""
+        moved = transform(T, self.points)
+        return self.planes.likeliest(moved, self._odds(moved))
 
-        Returns:
-            its unit normal (3,) and its offset.
-        """
-        weight, moved = self.explained(T), transform(T, self.points)
-        directions = spread_directions(_DIRECTIONS)
-        along = moved @ directions.T
-        order = np.argsort(along, axis=0)
-        passed = np.cumsum(weight[order], axis=0) >= _WITHIN * weight.sum()
-        offsets = np.take_along_axis(along, order, axis=0)[passed.argmax(axis=0), np.arange(_DIRECTIONS)]
-        seen = (self.model @ directions.T < offsets).mean(axis=0)
-        best = int(seen.argmin())
-        return directions[best], float(offsets[best])
-
-
-def spread_directions(n: int) -> DoubleArray:
-    """Unit vectors spread evenly over the sphere (Fibonacci spiral), shape (n, 3)."""
-    height = 1 - (2 * np.arange(n) + 1) / n
-    around = np.pi * (1 + np.sqrt(5)) * np.arange(n)
-    radius = np.sqrt(1 - height**2)
-    return np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=1)
-
-
-def left_jacobian(turn: DoubleArray) -> DoubleArray:
-    """How the turn by a rotation vector (3,) changes with it: exp(turn + δ) ≈ exp(J δ) exp(turn); shape (3, 3)."""
-    angle = float(np.linalg.norm(turn))
-    if angle < 1e-6:
-        return np.eye(3)
-    cross = np.cross(np.eye(3), turn / angle)
-    return np.eye(3) + (1 - np.cos(angle)) / angle * cross + (1 - np.sin(angle) / angle) * cross @ cross
+    def _odds(self, moved: FloatArray) -> DoubleArray:
+        model, ball = self.shares
+        others = ball * self.background.ball + (1 - model - ball) * self.background.uniform
+        return model * self.field(moved).astype(np.float64) / np.maximum(others, _LEAST_DENSITY)
 
 
 @compiled(error_model="numpy")
@@ -230,3 +199,62 @@ def plane_likelihood(
     gradient[9] += by_seen * seen_offset / len(model)
     gradient /= len(points)
     return total_log / len(points)
+
+
+@compiled(error_model="numpy")
+def _moved(
+    T: DoubleArray, normal: DoubleArray, tangents: DoubleArray, step: DoubleArray
+) -> tuple[DoubleArray, DoubleArray]:
+    """A pose (4, 4) and a plane's unit normal (3,) after a step (9,): shift, turn, and along both tangents."""
+    turn = np.zeros(6)
+    turn[3:] = step[3:6]
+    E = pose_of(turn)
+    moved = np.zeros((4, 4))
+    for i in range(3):
+        for j in range(4):
+            for k in range(3):
+                moved[i, j] += E[i, k] * T[k, j]
+        moved[i, 3] += step[i]
+    moved[3, 3] = 1.0
+    tilted = normal + step[6] * tangents[0] + step[7] * tangents[1]
+    return moved, tilted / np.sqrt((tilted**2).sum())
+
+
+@compiled(error_model="numpy")
+def likelihood_after(
+    points: FloatArray,
+    ball: FloatArray,
+    density: FloatArray,
+    model: FloatArray,
+    numbers: DoubleArray,
+    T: DoubleArray,
+    normal: DoubleArray,
+    tangents: DoubleArray,
+    offset: float,
+    step: DoubleArray,
+    gradient: DoubleArray,
+) -> float:
+    """`plane_likelihood` after a step (9,) of shift, turn, and plane; `gradient` (9,) by the step is filled."""
+    moved, unit = _moved(T, normal, tangents, step)
+    by_place = np.zeros(10)
+    value = plane_likelihood(points, ball, density, model, numbers, moved, unit, offset + step[8], by_place)
+    x, y, z = by_place[0], by_place[1], by_place[2]
+    # the turn comes before the shift
+    about = np.array(
+        [
+            by_place[3] - step[1] * z + step[2] * y,
+            by_place[4] - step[2] * x + step[0] * z,
+            by_place[5] - step[0] * y + step[1] * x,
+        ]
+    )
+    J = left_jacobian(step[3:6])
+    tilted = normal + step[6] * tangents[0] + step[7] * tangents[1]
+    length = np.sqrt((tilted**2).sum())
+    across = (unit * by_place[6:9]).sum()
+    for i in range(3):
+        gradient[i] = by_place[i]
+        gradient[3 + i] = (J[:, i] * about).sum()
+    for i in range(2):
+        gradient[6 + i] = (tangents[i] * (by_place[6:9] - across * unit)).sum() / length
+    gradient[8] = by_place[9]
+    return value

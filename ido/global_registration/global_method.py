@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from ido import poses
-from ido.global_registration.climbing import Climb, climb
-from ido.global_registration.cut_plane import NO_PLANE, Posterior, Refined, refine
-from ido.global_registration.evidence import Evidence, moved_by
+from ido.global_registration.climbing import climb
+from ido.global_registration.cut_plane import Posterior, refine
+from ido.global_registration.evidence import moved_by
 from ido.global_registration.fields import SIGMAS
+from ido.global_registration.global_result import Branch, Candidate, GlobalResult, Stage
 from ido.global_registration.model import GlobalModel
 from ido.global_registration.outliers import Background
+from ido.global_registration.planes import NO_PLANE
 from ido.global_registration.settings import GlobalSettings
 from ido.histograms import finite
-from ido.registration import StopReason, Trajectory, Watch
+from ido.registration import Trajectory, Watch
 from ido.types import DoubleArray, FloatArray, IntArray
 
 STARTS = 360
@@ -33,105 +33,8 @@ MOST_POINTS = 20_000
 _FIRST = ((-1, 5, 200, 160), (-2, 8, 256, 64), (-2, 8, 384, 7))  # field, steps, points, and how many starts go on
 _LAST_STEPS, _LAST_POINTS = 10, 1200
 _REFINED = 4
+_TURNS, _CLOSE = 2, 0.05  # plane and pose by turns, of those that are so near to the best (log-likelihood per point)
 _ALIKE = (10.0, 0.12)  # poses nearer to each other than so many degrees and model units are one
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Stage:
-    """A part of the climb.
-
-    Args:
-        climb: what all its starts did. Start i is number ``kept[i]`` of the stage before.
-        kept: which starts of this stage went on, the best first; shape (n,).
-    """
-
-    climb: Climb
-    kept: IntArray
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Branch:
-    """All that was tried with one background: with a ball where one was found, and without.
-
-    Poses are those of the centred scene; ``T @ GlobalResult.centring`` is a T_model_scene.
-
-    Args:
-        background: of the centred scene.
-        scores: of the poses that the climb starts from, in the search, shape (n,), the highest first.
-        stages: one after the other, the first from n starts.
-    """
-
-    background: Background
-    scores: FloatArray
-    stages: tuple[Stage, ...]
-
-    def lineage(self, start: int, end: int) -> DoubleArray:
-        """All poses of a start of stage `end`, from the search to the last one of that stage; shape (n, 4, 4)."""
-        parts = [self.stages[end].climb.poses[start]]
-        for stage in reversed(self.stages[:end]):
-            start = int(stage.kept[start])
-            parts.append(stage.climb.poses[start, :-1])
-        return np.concatenate(parts[::-1])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
-    """One of the poses that the method chooses from.
-
-    Args:
-        refined: the pose of the centred scene, and the plane.
-        posterior: the likelihood that it is at the top of.
-        branch: number of the branch that it comes from.
-        start: its number in the last stages of that branch.
-        stage: number of the stage whose width fits it best.
-    """
-
-    refined: Refined
-    posterior: Posterior
-    branch: int
-    start: int
-    stage: int
-
-
-@dataclass(frozen=True, eq=False)
-class GlobalResult:
-    """A registration from any start, with all that was tried.
-
-    Args:
-        centring: the pose (4, 4) that moved the scene's middle to the origin, before all else.
-        branches: what was tried.
-        candidates: the final poses, no two alike, the likeliest first: that is the one chosen.
-        searched: number of points that were searched and climbed with; all are used at the end.
-    """
-
-    centring: DoubleArray
-    branches: tuple[Branch, ...]
-    candidates: tuple[Candidate, ...]
-    searched: int
-
-    @cached_property
-    def evidence(self) -> Evidence:
-        """What speaks for the chosen pose."""
-        first, *others = self.candidates
-        return Evidence.of(first.posterior, first.refined, [other.refined for other in others])
-
-    @property
-    def best(self) -> Refined:
-        return self.candidates[0].refined
-
-    @property
-    def T_model_scene(self) -> DoubleArray:
-        """The chosen pose, shape (4, 4)."""
-        return self.best.T @ self.centring
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The way of the chosen pose: from where the scene lies to a start of the search, and uphill from there."""
-        chosen = self.candidates[0]
-        climbed = self.branches[chosen.branch].lineage(chosen.start, chosen.stage)
-        T = np.concatenate([np.eye(4)[None], np.stack([*climbed, self.best.T]) @ self.centring])
-        motions = poses.log(T[1:] @ poses.invert(T[:-1]))
-        return Trajectory(poses.log(T), np.linalg.norm(motions, axis=1), StopReason.CONVERGED, np.nan)
 
 
 class Starts(Protocol):
@@ -249,6 +152,12 @@ class GlobalRegistration:
         tried.sort(key=lambda one: -one[0])
         apart = _distinct(np.stack([T for _, _, T, _ in tried]), np.arange(len(tried)), _REFINED)
         found = [Candidate(refine(tried[i][1], tried[i][2], cut=cut), tried[i][1], *tried[i][3]) for i in apart]
+        for _ in range(_TURNS if cut else 0):
+            highest = max(candidate.refined.log_likelihood for candidate in found)
+            found = [
+                candidate.again() if candidate.refined.log_likelihood > highest - _CLOSE else candidate
+                for candidate in found
+            ]
         found.sort(key=lambda candidate: -candidate.refined.log_likelihood)
         apart = _distinct(np.stack([candidate.refined.T for candidate in found]), np.arange(len(found)), _REFINED)
         return tuple(found[i] for i in apart)
@@ -311,7 +220,7 @@ def _summits(
     best = np.argmax([stage.climb.log_likelihood[:, -1] for stage in stages], axis=0)
     for start, number in enumerate(best):
         reached = stages[number].climb
-        posterior = Posterior(points, background, model.fields[-1 - number], model.sample, reached.shares[start])
+        posterior = Posterior(points, background, model.fields[-1 - number], model.planes, reached.shares[start])
         T = reached.poses[start, -1]
         plane = posterior.first_plane(T) if cut else NO_PLANE
         yield posterior(T, *plane)[0], posterior, T, int(number)

@@ -9,6 +9,7 @@ from scipy.spatial import KDTree
 
 from ido.clouds import Model
 from ido.global_registration.fields import SIGMAS, Field
+from ido.global_registration.planes import Planes
 from ido.global_registration.search import Search
 from ido.types import FloatArray
 
@@ -23,12 +24,12 @@ class GlobalModel:
     Args:
         fields: its density at every width of `SIGMAS`.
         search: its turned transforms.
-        sample: some of its points, shape (M, 3), float32, model units.
+        planes: beyond which a scene may miss it.
     """
 
     fields: tuple[Field, ...]
     search: Search
-    sample: FloatArray
+    planes: Planes
 
     @classmethod
     def of(cls, points: FloatArray, rotations: int = 768) -> GlobalModel:
@@ -40,7 +41,7 @@ class GlobalModel:
         """
         fields = tuple(Field.of(points, sigma) for sigma in SIGMAS)
         sample = np.random.default_rng(0).choice(points, min(len(points), _SAMPLE), replace=False)
-        return cls(fields, Search.of(fields[-1], rotations), np.ascontiguousarray(sample, dtype=np.float32))
+        return cls(fields, Search.of(fields[-1], rotations), Planes.of(sample))
 
 
 def surface_of(model: Model) -> FloatArray:

@@ -50,7 +50,7 @@ def result(model: GlobalModel, scene: Scene) -> GlobalResult:
 
 def posterior_of(model: GlobalModel, scene: Scene) -> Posterior:
     background = Background.of(scene.points, GlobalSettings(ball=False))
-    return Posterior(scene.points, background, model.fields[2], model.sample, np.array([0.6, 0.0]))
+    return Posterior(scene.points, background, model.fields[2], model.planes, np.array([0.6, 0.0]))
 
 
 def test_a_field_is_the_mean_of_gaussians_about_the_points(bunny: Cloud, model: GlobalModel):

@@ -1,0 +1,91 @@
+"""Planes beyond which a scene may miss the model: the likeliest of many is where the last step begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ido.compiling import compiled
+from ido.types import DoubleArray, FloatArray
+
+KEPT = np.array([0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.43, 0.5, 0.58, 0.66, 0.75, 0.84, 0.92])
+"""Shares of the model that planes keep."""
+
+NO_PLANE = (np.array([1.0, 0.0, 0.0]), 1e3)
+"""Normal and offset of a plane beyond everything (model units)."""
+
+_DIRECTIONS = 200  # with half as many, the last step begins too far from the best plane, and more scenes are lost
+_TELLING = 1e-3  # a point that is less likely of the model than so often of the outliers says nothing of a plane
+_LARGE = 1e200  # a product that is larger is near to overflow
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planes:
+    """Planes of a model in many directions; plane k of each keeps the share ``KEPT[k]`` of it.
+
+    Args:
+        sample: points of the model, shape (M, 3), float32, model units.
+        directions: unit normals, towards what is missing, shape (D, 3).
+        offsets: of the planes along their normals, shape (D, K), model units.
+    """
+
+    sample: FloatArray
+    directions: DoubleArray
+    offsets: DoubleArray
+
+    @classmethod
+    def of(cls, sample: FloatArray) -> Planes:
+        """The planes of a model, given by some of its points (M, 3)."""
+        directions = spread_directions(_DIRECTIONS)
+        offsets = np.quantile(sample.astype(np.float64) @ directions.T, KEPT, axis=0).T
+        return cls(np.ascontiguousarray(sample, dtype=np.float32), directions, np.ascontiguousarray(offsets))
+
+    def likeliest(self, moved: FloatArray, odds: DoubleArray) -> tuple[DoubleArray, float]:
+        """The plane under which a scene is likeliest (docs/global.md, Eq. 6); `NO_PLANE` where none helps.
+
+        Args:
+            moved: the scene at its pose, shape (S, 3).
+            odds: of each point, of the model against the outliers, without a plane; shape (S,).
+
+        Returns:
+            its unit normal (3,) and its offset.
+        """
+        telling = odds > _TELLING
+        along = np.ascontiguousarray(self.directions @ moved[telling].T.astype(np.float64))
+        direction, number = _likeliest(along, odds[telling], self.offsets, KEPT)
+        if direction < 0:
+            return NO_PLANE
+        return self.directions[direction], float(self.offsets[direction, number])
+
+
+def spread_directions(n: int) -> DoubleArray:
+    """Unit vectors spread evenly over the sphere (Fibonacci spiral), shape (n, 3)."""
+    height = 1 - (2 * np.arange(n) + 1) / n
+    around = np.pi * (1 + np.sqrt(5)) * np.arange(n)
+    radius = np.sqrt(1 - height**2)
+    return np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=1)
+
+
+@compiled(error_model="numpy")
+def _likeliest(along: DoubleArray, odds: DoubleArray, offsets: DoubleArray, kept: DoubleArray) -> tuple[int, int]:
+    """Direction and number of the plane with the greatest Σ log(1 + odds [on its kept side] / kept); -1 for none.
+
+    Points (S,) lie `along` the directions, shape (D, S); the planes have `offsets` (D, K) there and keep shares (K,).
+    """
+    best, direction, number = 0.0, -1, -1
+    for s in range(len(odds)):
+        best += np.log(1 + odds[s])
+    for d in range(len(along)):
+        for k in range(len(kept)):
+            total, product = 0.0, 1.0  # of products, fewer logarithms have to be taken
+            for s in range(len(odds)):
+                if along[d, s] < offsets[d, k]:
+                    product *= 1 + odds[s] / kept[k]
+                    if product > _LARGE:
+                        total += np.log(product)
+                        product = 1.0
+            total += np.log(product)
+            if total > best:
+                best, direction, number = total, d, k
+    return direction, number
