@@ -25,6 +25,7 @@ div[style*="width: 7.25em"]:has(label:empty) { display: none; }
 .mantine-Slider-markLabel, .mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
 .mantine-Button-root[data-variant="outline"] { --button-color: var(--for-text) !important; }
 .mantine-Notifications-root { top: 8rem !important; } /* below the names, the opening and a lesson's verdicts */
+@media (max-width: 600px) { .mantine-Notifications-root { top: 4.2rem !important; } }
 .mantine-ScrollArea-scrollbar[data-orientation="vertical"] { width: 7px !important; padding: 0 !important; }
 [role=tab][aria-selected=true] { color: var(--for-text) !important; }
 """
