@@ -198,15 +198,20 @@ def examples(shapes: list[tuple[str, Cloud]], seed: int) -> tuple[list[Evidence]
 
 
 def fitted(evidence: list[Evidence], right: np.ndarray) -> dict[str, float]:
-    """Logistic regression with a small ridge on the standardised features; weights of the features as they are."""
+    """The weights under which what was right is likeliest, with a small ridge on the standardised features.
+
+    It is the whole probability that is fitted, with the weight of a pose among those that fit as well.
+    """
     values = [features(one) for one in evidence]
     names = list(values[0])
     X = np.array([[value[name] for name in names] for value in values])
+    among = np.array([one.weight for one in evidence])
     centre, spread = X.mean(axis=0), X.std(axis=0)
     Z = np.column_stack([np.ones(len(X)), (X - centre) / spread])
 
     def loss(w: DoubleArray) -> float:
-        return float(np.logaddexp(0, np.where(right, -1, 1) * (Z @ w)).sum() + RIDGE / 2 * (w[1:] ** 2).sum())
+        chance = np.clip(among / (1 + np.exp(-np.clip(Z @ w, -30, 30))), 1e-9, 1 - 1e-9)
+        return float(-np.log(np.where(right, chance, 1 - chance)).sum() + RIDGE / 2 * (w[1:] ** 2).sum())
 
     w = minimize(loss, np.zeros(Z.shape[1])).x
     weights = dict(zip(names, (w[1:] / spread).tolist(), strict=True))

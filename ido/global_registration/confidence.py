@@ -9,14 +9,10 @@ from functools import cache
 
 import numpy as np
 
-from ido.global_registration.evidence import Evidence
+from ido.global_registration.evidence import EQUAL, Evidence
 from ido.global_registration.global_result import GlobalResult
 from ido.shipped import asset
 from ido.types import DoubleArray
-
-EQUAL = 5.0
-"""Poses whose log-likelihoods differ by less fit equally. Equal poses of a symmetric shape, whose fields are made of
-different samples, differ by a few."""
 
 POOR_FIT = 0.25
 """A fit whose deficit is greater is one of another shape, size or surface."""
@@ -64,7 +60,7 @@ def features(evidence: Evidence) -> dict[str, float]:
     return {
         "log_margin": margin,
         "log_margin_squared": margin**2,
-        "gain": evidence.gain,
+        "log_explained": float(np.log1p(evidence.explained)),
         "covered": evidence.covered,
         "seen": evidence.seen,
         "log_sigma": float(np.log(evidence.sigma)),

@@ -16,8 +16,12 @@ from ido.types import DoubleArray, FloatArray
 NEAR = 0.1
 """A part of the model is covered when an explained point lies within this distance of it (model units)."""
 
+EQUAL = 5.0
+"""Poses whose log-likelihoods differ by less fit equally. Equal poses of a symmetric shape, whose fields are made of
+different samples, differ by a few."""
+
 _STEP = 0.01  # rad, model units: over the kinks of the field between its corners
-_TEMPER = 3.0  # the field is of samples itself, so likelihoods differ by a few where poses are equal
+_TEMPER = 3.0  # how soon poses that fit worse than equally count less, log-likelihood
 _LOOSEST = 1.0  # deviation that a pose can have along any direction (rad, model units)
 
 
@@ -28,11 +32,10 @@ class Evidence:
     Args:
         explained: how many points of the scene the model explains, repeated ones counted once.
         share: of the points that it explains.
-        gain: log-likelihood that the model adds to the outliers alone, per explained point.
         deficit: by how much the explained points' mean log-density is lower than that of other points of the model.
         margin: log-likelihood of all points, repeated ones counted once, over that of the second-best pose; inf when
             there is no second.
-        weight: of the pose among all that it was chosen from, by their likelihoods; at most 1.
+        weight: of the pose among all that it was chosen from, by their likelihoods; those that fit equally share it.
         covered: share of the model, of what the plane keeps, that has an explained point near.
         seen: share of the model that the plane keeps.
         sigma: width of the field that fits best (model units).
@@ -42,7 +45,6 @@ class Evidence:
 
     explained: float
     share: float
-    gain: float
     deficit: float
     margin: float
     weight: float
@@ -78,23 +80,15 @@ class Evidence:
         return cls(
             explained=share * n,
             share=share,
-            gain=(best.log_likelihood - _alone(posterior)) / max(share, 1 / n),
             deficit=at_home - reached,
             margin=min(margins, default=np.inf),
-            weight=float(1 / (1 + sum(np.exp(-max(margin, 0.0) / _TEMPER) for margin in margins))),
+            weight=float(1 / (1 + sum(np.exp(-max(margin - EQUAL, 0.0) / _TEMPER) for margin in margins))),
             covered=covered,
             seen=len(kept) / len(model),
             sigma=best.sigma,
             error=_error(covariance, model.astype(np.float64)),
             covariance=covariance,
         )
-
-
-def _alone(posterior: Posterior) -> float:
-    """Log-likelihood per point where all are outliers, with the best share of the ball."""
-    uniform, ball = posterior.background.uniform, posterior.background.ball
-    shares = np.linspace(0, 0.98, 25) if ball.any() else np.zeros(1)
-    return float(np.log(shares[:, None] * ball + (1 - shares[:, None]) * uniform).mean(axis=1).max())
 
 
 def _covariance(posterior: Posterior, best: Refined) -> DoubleArray:
