@@ -20,6 +20,7 @@ from ido_viz.core.frame import Frame
 from ido_viz.core.library import Library, Subject, shipped_library
 from ido_viz.core.run import Run, make_scene
 from ido_viz.core.state import State
+from ido_viz.own.own_scan import LastScan
 from ido_viz.own.workshop import Workshop
 from ido_viz.session import Session
 
@@ -151,7 +152,14 @@ class PageOfTab:
     fail_reading = False
 
     def __init__(
-        self, tab: Tab, library: Library, state: State, actions: Actions, step: str, workshop: Workshop | None
+        self,
+        tab: Tab,
+        library: Library,
+        state: State,
+        actions: Actions,
+        step: str,
+        workshop: Workshop | None,
+        last_scan: LastScan,
     ) -> None:
         self.tab = tab
         tab.widgets, tab.actions = state, actions
