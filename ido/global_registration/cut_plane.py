@@ -65,7 +65,7 @@ def refine(posterior: Posterior, T: DoubleArray, *, cut: bool) -> Refined:
     found = minimize(value, np.zeros(free), jac=True, method="BFGS", options={"maxiter": _ITERATIONS, "gtol": 1e-5})
     step = np.zeros(9)
     step[:free] = _UNIT * found.x
-    moved, tilted = _moved(T, normal, tangents, step)
+    moved, tilted, _ = _moved(T, normal, tangents, step)
     return Refined(posterior.field.sigma, moved, tilted, offset + step[8], posterior.shares, -float(found.fun))
 
 
@@ -204,8 +204,11 @@ def plane_likelihood(
 @compiled(error_model="numpy")
 def _moved(
     T: DoubleArray, normal: DoubleArray, tangents: DoubleArray, step: DoubleArray
-) -> tuple[DoubleArray, DoubleArray]:
-    """A pose (4, 4) and a plane's unit normal (3,) after a step (9,): shift, turn, and along both tangents."""
+) -> tuple[DoubleArray, DoubleArray, float]:
+    """A pose (4, 4) and a plane's unit normal (3,) after a step (9,): shift, turn, and along both tangents.
+
+    And the length that the normal had before it was made unit.
+    """
     turn = np.zeros(6)
     turn[3:] = step[3:6]
     E = pose_of(turn)
@@ -217,7 +220,8 @@ def _moved(
         moved[i, 3] += step[i]
     moved[3, 3] = 1.0
     tilted = normal + step[6] * tangents[0] + step[7] * tangents[1]
-    return moved, tilted / np.sqrt((tilted**2).sum())
+    length = np.sqrt((tilted**2).sum())
+    return moved, tilted / length, length
 
 
 @compiled(error_model="numpy")
@@ -235,7 +239,7 @@ def likelihood_after(
     gradient: DoubleArray,
 ) -> float:
     """`plane_likelihood` after a step (9,) of shift, turn, and plane; `gradient` (9,) by the step is filled."""
-    moved, unit = _moved(T, normal, tangents, step)
+    moved, unit, length = _moved(T, normal, tangents, step)
     by_place = np.zeros(10)
     value = plane_likelihood(points, ball, density, model, numbers, moved, unit, offset + step[8], by_place)
     x, y, z = by_place[0], by_place[1], by_place[2]
@@ -248,8 +252,6 @@ def likelihood_after(
         ]
     )
     J = left_jacobian(step[3:6])
-    tilted = normal + step[6] * tangents[0] + step[7] * tangents[1]
-    length = np.sqrt((tilted**2).sum())
     across = (unit * by_place[6:9]).sum()
     for i in range(3):
         gradient[i] = by_place[i]

@@ -19,8 +19,8 @@ _HIDING = caption(
 _PARTS: dict[Part, str] = {
     "lessons": "The menu of lessons.",
     "presets": "The prepared pages.",
-    "scores": "All that tells how well a method does: the numbers, the panes' scores, and the tabs Errors, Compare and "
-    "Sweeps.",
+    "scores": "All that tells how well a method does: the numbers, the panes' scores, and the tabs Errors, Compare, "
+    "Basin and Sweeps.",
     "scene": "The sliders that perturb the scene.",
     "methods": "The choice of methods and when they stop.",
     "view": "Orders, overlays and the look of the page.",
