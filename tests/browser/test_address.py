@@ -14,7 +14,7 @@ from PIL import Image
 from ido import Perturbation
 from ido_viz.app import App
 from ido_viz.core.address import read_fragment
-from ido_viz.core.state import State, decode, encode
+from ido_viz.core.state import State, StateError, decode, encode
 from ido_viz.teach.lessons import lesson
 
 ELSEWHERE = State(
@@ -29,9 +29,12 @@ AWAY = "The explorer is not running"
 
 
 def state_of(explorer: Explorer) -> State | None:
-    """The state that the browser's address has, if it has one."""
-    fragment = read_fragment(explorer.page.url.partition("#")[2])
-    return decode(fragment.code) if fragment.code else None
+    """The state that the browser's address has, if it has one: one that was refused is there until it is put right."""
+    try:
+        code = read_fragment(explorer.page.url.partition("#")[2]).code
+        return decode(code) if code else None
+    except StateError:
+        return None
 
 
 def expect_address(explorer: Explorer, state: State) -> None:
