@@ -19,12 +19,25 @@
     }, 300);
   }).observe(document, { subtree: true, childList: true });
 
-  // What the page tells the server goes through text fields, the one thing that a page of viser can write into; people
-  // do not see them.
-  function field(name) {
-    const label = [...document.querySelectorAll("label")].find((each) => each.textContent === name);
-    return label?.closest(".mantine-Flex-root")?.querySelector("input");
+  // What the page tells the server are the values of text fields that people do not see. They are sent past viser, which
+  // sends a message of a panel every 50 milliseconds and of those in between the last one alone: a click or a value that
+  // a person gives would be lost to what the page tells, or the other way round.
+  let connection = null;
+  window.Worker = class extends Worker {
+    constructor(...how) {
+      super(...how);
+      this.addEventListener("message", ({ data }) => data.type === "connected" && (connection = this));
+    }
+  };
+  const told = new Map(); // the last value of each field, by viser's name for it: that of a new connection is another
+  function tell(field, value) {
+    const uuid = uuidOf(field);
+    if (!connection || !uuid || told.get(uuid) === value) return;
+    told.set(uuid, value);
+    connection.postMessage({ type: "send", message: { type: "GuiUpdateMessage", uuid, updates: { value } } });
   }
+
+  const uuidOf = (field) => [...document.querySelectorAll("label")].find((each) => each.textContent === field)?.htmlFor;
 
   function write(input, text) {
     Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(input, text);
@@ -37,7 +50,7 @@
   const PHONE = 600; // pixels; there, nothing stands beside the canvas
   function place() {
     const canvas = document.querySelector("canvas[data-engine]")?.getBoundingClientRect();
-    const placed = canvas?.width && field("Open tabs") && (canvas.left > 0 || innerWidth <= PHONE);
+    const placed = canvas?.width && uuidOf("Open tabs") && (canvas.left > 0 || innerWidth <= PHONE);
     return placed ? [canvas.left, canvas.top, canvas.width, canvas.height].join() : "";
   }
   const began = performance.now();
@@ -55,14 +68,12 @@
 
   // The server draws the charts of the tabs that are open, and no others. A page that connects anew has an empty field.
   let telling = null;
-  let told = null;
   function tellTabs() {
     telling = null;
     if (document.querySelector("#ido-splash:not(.gone)")) return; // it plays once somebody can see it
     const tabs = [...document.querySelectorAll("[role=tab][aria-selected=true]")];
     const open = tabs.map((tab) => tab.textContent.trim()).join();
-    if (!told?.isConnected) told = field("Open tabs");
-    if (told && open && told.value !== open) write(told, open);
+    if (open) tell("Open tabs", open);
   }
   new MutationObserver(() => {
     telling ??= setTimeout(tellTabs, 30);
@@ -114,10 +125,7 @@
   // A click into a heatmap, a histogram or a list of bins picks a bin, one into the map of a basin a start.
   let picks = 0;
 
-  function tell(text) {
-    const input = field("Picked bin");
-    if (input) write(input, `${text} ${++picks}`);
-  }
+  const pick = (text) => tell("Picked bin", `${text} ${++picks}`);
 
   // Where in a picture a click was, from 0 at its left edge to 1.
   const share = (event, element) => {
@@ -127,17 +135,14 @@
 
   // All that a hand does in one go, from a button or key that goes down to the next that does, is one change, however
   // long it takes; so these are counted. The count is not that of a page that this one goes on from. It is also told
-  // whether a slider is held, for then its scene stays in the hand. viser sends a message of a panel every 50
-  // milliseconds, and of those in between the last one alone: this is told when the hand rests, or it would take the
-  // place of a value.
+  // whether a slider is held, for then its scene stays in the hand. It is told when the hand rests: what the hand did
+  // before comes first.
   const RESTING = 120; // milliseconds
   let [gestures, holds, lastMove, counting] = [Date.now() % 1e7, false, -RESTING, null];
   function tellGesture() {
     const left = lastMove + RESTING - performance.now();
     counting = left > 0 ? setTimeout(tellGesture, left) : null;
-    const input = left > 0 ? null : field("Gesture");
-    const text = `${gestures}${holds ? " held" : ""}`;
-    if (input && input.value !== text) write(input, text);
+    if (left <= 0) tell("Gesture", `${gestures}${holds ? " held" : ""}`);
   }
   const moves = (event) => {
     if (event.isTrusted && (event.type !== "pointermove" || event.buttons)) lastMove = performance.now();
@@ -177,11 +182,11 @@
       const target = event.target;
       if (event.button !== 0 || moved === null || moved > STILL || !(target instanceof Element)) return;
       const listed = target.closest("[data-bin]");
-      if (listed) return tell(`bin ${listed.dataset.pane} ${listed.dataset.bin}`);
+      if (listed) return pick(`bin ${listed.dataset.pane} ${listed.dataset.bin}`);
       const start = target.closest("[data-start]");
-      if (start) return tell(`start 0 ${start.dataset.start}`);
+      if (start) return pick(`start 0 ${start.dataset.start}`);
       const heatmap = target.closest("[data-heatmap]");
-      if (heatmap) return tell(`${heatmap.dataset.heatmap} ${heatmap.dataset.pane} ${share(event, heatmap)}`);
+      if (heatmap) return pick(`${heatmap.dataset.heatmap} ${heatmap.dataset.pane} ${share(event, heatmap)}`);
       const chart = target.closest(".uplot")?.querySelector(".u-over");
       if (!chart) return;
       const heads = [...document.querySelectorAll("[data-histogram]")].filter(
@@ -191,7 +196,7 @@
       const charts = head && [...document.querySelectorAll(".u-over")].filter(
         (each) => head.compareDocumentPosition(each) & Node.DOCUMENT_POSITION_FOLLOWING,
       );
-      if (head && charts[0] === chart) tell(`shown ${head.dataset.histogram} ${share(event, chart)}`);
+      if (head && charts[0] === chart) pick(`shown ${head.dataset.histogram} ${share(event, chart)}`);
     },
     true,
   );

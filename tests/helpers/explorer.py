@@ -109,8 +109,9 @@ class Explorer(AnyExplorer):
         self.page.evaluate("atRest => rest(atRest)", at_rest)
 
     def wait_ready(self) -> Explorer:
-        """Wait until the page shows a run."""
+        """Wait until the page shows a run, with nothing over it."""
         self.page.get_by_role("row", name="PointRMSE").wait_for()
+        self.page.wait_for_function("!document.querySelector('#ido-splash:not(.gone)')")
         return self
 
     def pause(self, milliseconds: int = BETWEEN_CONTROLS) -> None:
