@@ -84,7 +84,7 @@ async def serve_with(
         front.stands(number, None)
         if not first.done():
             first.set_exception(ServersError(what))
-        else:
+        elif first.exception() is None:  # else all end, and it has been said why
             note(f"[yellow]a server ended ({escape(what)}); it is started again[/]")
 
     def tell(number: int, what: Ready | str) -> None:

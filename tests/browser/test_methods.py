@@ -27,7 +27,7 @@ def test_a_scene_of_the_shipped_results_is_opened(explorer: Explorer):
 
 @pytest.mark.looks_at_canvas
 def test_a_model_point_is_picked_by_a_click_and_looked_into(explorer: Explorer):
-    explorer.open_tab("Inspect")
+    explorer.inspect()
     explorer.choose("Its question", "up / down")
     canvas = box_of(explorer.canvas())
     before = explorer.canvas_halves()[1]

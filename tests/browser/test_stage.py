@@ -197,7 +197,7 @@ def test_a_click_into_a_heatmap_or_the_list_picks_its_bin_and_escape_lets_go(exp
 
 
 def test_an_open_menu_stays_open_and_has_its_new_options_once_it_is_closed(explorer: Explorer):
-    explorer.open_tab("Inspect")
+    explorer.inspect()
     before = explorer.options("Strongest bins")
     explorer.field("Strongest bins").click()
     options = explorer.page.get_by_role("option")

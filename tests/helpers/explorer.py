@@ -169,6 +169,12 @@ class Explorer(AnyExplorer):
         self.page.evaluate("document.activeElement.blur()")
         self.page.keyboard.press(key)
 
+    def inspect(self) -> None:
+        """Open the tab Inspect and wait until it is filled: its menus have their options then."""
+        self.open_tab("Inspect")
+        self.page.locator("tr[data-bin]").first.wait_for()
+        self.pause()
+
     def row(self, label: str) -> Locator:
         """The row of the control panel that has this label, in its tab."""
         self.open_tab_of(label)
