@@ -40,6 +40,7 @@ class Camera:
         self._placed: tuple[float, ...] = NO_CAMERA
         self._lifted = False
         self._awaited_until = 0.0  # until the page has the place that was sent, it tells of others on the way
+        self._sent = 0.0  # the time of what the camera's handle holds; another one once the page has told of a place
         self._settling = False  # whether a callback waits for what else comes
         self._lock = threading.Lock()  # the camera's callbacks overtake each other
         camera.on_update(lambda _: self._on_update())
@@ -97,7 +98,7 @@ class Camera:
             place = self._seen()
             is_there = np.allclose(place, self._placed or _FITTED, atol=_SAME)
             awaited = time.perf_counter() < self._awaited_until
-            if is_there:
+            if is_there and self._camera.update_timestamp != self._sent:  # the page's word, not the place just sent
                 self._awaited_until = 0.0
         return None if is_there or awaited else place
 
@@ -108,6 +109,7 @@ class Camera:
         self._awaited_until = time.perf_counter() + _PATIENCE
         self._camera.position = middle + place[3:] + distance * place[:3]
         self._camera.look_at = middle + place[3:]
+        self._sent = self._camera.update_timestamp
 
     def _seen(self) -> tuple[float, ...]:
         distance, middle = self._fit()

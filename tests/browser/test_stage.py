@@ -131,7 +131,8 @@ def test_a_view_turned_by_the_mouse_is_kept_and_reset_by_button_and_key(explorer
         assert not both_panes_fit(explorer)
         reset()
         explorer.wait_until("the first view again", lambda: both_panes_fit(explorer))
-        assert explorer.expect_to_agree().camera == NO_CAMERA
+        explorer.wait_until("its state", lambda: explorer.state().camera == NO_CAMERA)
+        explorer.expect_to_agree()
 
 
 def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExplorer):

@@ -26,6 +26,7 @@ class Window:
     def __init__(self, aspect: float) -> None:
         self.aspect, self.fov = aspect, 0.87
         self.position, self.look_at = np.array([3.0, 3.0, 3.0]), np.zeros(3)
+        self.update_timestamp = 1.0
         self.told: list[tuple[float, ...]] = []
         self._update: Callable[[Any], None] = print
         self.camera = Camera(cast(viser.CameraHandle, self), self.told.append)
@@ -35,6 +36,11 @@ class Window:
 
     def tell(self) -> None:
         """The page tells where its camera is."""
+        self.update_timestamp += 1.0
+        self._update(None)
+
+    def tell_late(self) -> None:
+        """What the page told before is taken note of only now."""
         self._update(None)
 
     def orbit(self, x: float, y: float, z: float) -> None:
@@ -83,6 +89,20 @@ def test_what_a_page_tells_on_its_way_is_no_move():
     window.position = there
     window.tell()
     assert window.told == []
+
+
+def test_the_place_that_is_sent_is_not_taken_for_the_page_s_word():
+    window = Window(1.5)
+    window.camera.begin(ELSEWHERE)
+    there = window.position
+    window.tell_late()
+    window.position = np.array([3.0, 3.0, 3.0])  # the page has told of it before it got the new one
+    window.tell()
+    assert window.told == []
+    window.position = there
+    window.tell()
+    window.orbit(1.0, 2.0, 3.0)
+    assert len(window.told) == 1
 
 
 @pytest.mark.parametrize("one", WINDOWS)
