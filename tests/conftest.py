@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import gc
 import os
+from itertools import zip_longest
 
 import pytest
 
 from ido import Cloud, FrontBack, Maps, Model, TrainingSettings, shipped_cloud, train
 
+WAITING = ("tests/pages/", "tests/ido_viz/test_", "tests/ido_viz/own/", "tests/test_load", "tests/test_monkey")
+"""Tests that wait most of their time: for a page to be at rest, or for a process."""
 SMALL_MODEL = 80
 SMALL_TRAINING = TrainingSettings(samples=600, maps=8)
 
@@ -26,6 +29,17 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection() -> None:
     """No collector of garbage while thousands of tests are collected: it finds none, in a third of the time."""
     gc.disable()
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """The tests in a browser begin, which take longest, by turns with those that wait: processors are busy to the end."""
+    files = dict.fromkeys(item.path for item in items)
+    here = [file.relative_to(config.rootpath).as_posix() for file in files]
+    waiting = [file for file in here if file.startswith(WAITING)]
+    busy = [file for file in here if not file.startswith(WAITING)]  # those in a browser are the first of them
+    turns = [file for both in zip_longest(busy, waiting) for file in both if file]
+    places = {file: place for place, file in enumerate(turns)}
+    items.sort(key=lambda item: places[item.path.relative_to(config.rootpath).as_posix()])
 
 
 def pytest_collection_finish() -> None:
