@@ -56,7 +56,7 @@ def test_an_address_opens_exactly_its_page_which_is_there_again_after_a_reload(o
     explorer.page.reload()
     explorer.wait_ready()
     explorer.expect_numbers(expected)
-    assert explorer.expect_to_agree() == expected == state_of(explorer)
+    assert explorer.expect_to_agree() == expected == state_of(explorer) == decode(explorer.code())
 
 
 def test_reloading_a_page_keeps_what_it_shows_and_frees_the_session_before(explorer: Explorer):

@@ -15,7 +15,8 @@ from PIL import Image
 from playwright.sync_api import Error, FloatRect, Locator, Page, TimeoutError
 
 from ido_viz.app import App
-from ido_viz.core.state import Part, State, encode
+from ido_viz.core.address import read_fragment
+from ido_viz.core.state import Part, State, decode, encode
 
 SMALL = (1200, 700)  # software rendering takes its time for each pixel
 TABS = {
@@ -54,6 +55,8 @@ COUNT_DRAWN_PIXELS = """canvas => {
 READ_TABLE = """() => [...document.querySelectorAll("table.readout tr")].map(
     row => [...row.children].map(cell => cell.textContent.trim())
 )"""  # at once: the table is replaced many times a second
+
+READ_FRAGMENT = """() => document.querySelector("[data-fragment]").dataset.fragment"""
 
 AFTER_WHAT_IS_DUE = """() => new Promise(
     done => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done)))
@@ -131,6 +134,10 @@ class Explorer(AnyExplorer):
     def code(self) -> str:
         """What the Share box holds."""
         return self.field("State").input_value()
+
+    def state(self) -> State:
+        """The state of the page's address: unlike the Share box, it is there whichever tab is open."""
+        return decode(read_fragment(self.page.evaluate(READ_FRAGMENT)).code)
 
     def notifications(self) -> list[str]:
         """The messages on the page, without the browser's own about software rendering."""
