@@ -32,7 +32,7 @@ def pytest_collection() -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """The tests in a browser begin, which take longest, by turns with those that wait: processors are busy to the end."""
+    """Those in a browser begin, which take longest, by turns with those that wait: processors are busy to the end."""
     files = dict.fromkeys(item.path for item in items)
     here = [file.relative_to(config.rootpath).as_posix() for file in files]
     waiting = [file for file in here if file.startswith(WAITING)]
