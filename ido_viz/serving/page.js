@@ -103,6 +103,25 @@
     setTimeout(() => holdsOne(target) || write(target, target.dataset.number));
   });
 
+  // A decimal comma is a decimal point. In a field of whole numbers, which refuses the point, what follows it would be
+  // taken for more digits, 12.7 for 127; it is refused, too.
+  let point = null; // the field that a decimal point was typed into just now
+  addEventListener(
+    "beforeinput",
+    (event) => {
+      const { target, data } = event;
+      if (!isNumber(target) || !data) return;
+      if (/^\d+$/.test(data) && point === target && !target.value.includes(".")) return event.preventDefault();
+      point = /[.,]$/.test(data) ? target : null;
+      if (!/^-?\d*,\d*$/.test(data)) return;
+      event.preventDefault();
+      document.execCommand("insertText", false, data.replace(",", "."));
+    },
+    true,
+  );
+  addEventListener("keydown", ({ key }) => /^\d$/.test(key) || (point = null), true);
+  addEventListener("focusout", () => (point = null), true);
+
   // Escape closes a window that stands over the page, by its button.
   addEventListener("keydown", (event) => {
     if (event.key !== "Escape") return;

@@ -49,6 +49,34 @@ def test_a_held_slider_shows_other_numbers_and_a_wild_drag_ends_at_its_last_valu
     assert explorer.slider_value("Rotation") == value
 
 
+def test_what_follows_a_decimal_point_or_comma_is_no_whole_number(explorer: Explorer):
+    keyboard = explorer.page.keyboard
+    for label, text, shown in (
+        ("Seed", "12.7", "12"),
+        ("Seed", "1,5", "1"),
+        ("Seed", "0.05", "0"),
+        ("Seed", "34", "34"),
+        ("Noise", "0,07", "0.07"),
+        ("Noise", "0.03", "0.03"),
+    ):
+        explorer.field(label).click()
+        keyboard.press("Control+a")
+        keyboard.type(text)
+        keyboard.press("Tab")
+        explorer.wait_until(
+            f"{shown} for {text}", lambda label=label, shown=shown: explorer.field(label).input_value() == shown
+        )
+        explorer.wait_until(
+            "its value", lambda label=label, shown=shown: explorer.slider_in_state(label) == float(shown)
+        )
+    explorer.field("Seed").click()
+    keyboard.press("Control+a")
+    keyboard.type("12.7")
+    keyboard.press("Backspace")
+    keyboard.type("45")
+    explorer.wait_until("what was typed after a correction", lambda: explorer.field("Seed").input_value() == "145")
+
+
 def test_absurd_input_does_no_harm(explorer: Explorer):
     explorer.tick("Maps follow the iteration")
     values: dict[str, Callable[[State], float]] = {
