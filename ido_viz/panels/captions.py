@@ -26,7 +26,7 @@ _SIGNS = {
 
 _OPENING = (
     "Each method moves the coloured scene, step by step, onto the grey model.<br>"
-    '<span class="invitation">Drag a slider, or the scene itself, to make it harder.</span>'
+    '<span class="invitation">Drag a slider, or an arrow or ring at a scene, to make it harder.</span>'
 )
 
 # The canvas is an anchor, so that what is written stays on it whatever is docked beside it; where a browser knows no

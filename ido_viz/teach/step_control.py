@@ -17,7 +17,6 @@ from ido_viz.teach.content import ContentError
 Button = Literal["Play", "One iteration on", "Back to the start", "New seed", "Map the basin"]
 
 _LABELS = {"pinned_map": "Map", "epsilon": "Stop below ε", "difference": "Minus reference"}
-_HINT = "The same as beside this panel."
 _YES_NO = {True: "on", False: "off"}
 
 
@@ -81,18 +80,16 @@ class ControlView:
             "Map the basin": actions.map_basin,
         }
         if name in buttons:
-            gui.add_button(name, hint=_HINT).on_click(lambda _: buttons[name]())
+            gui.add_button(name).on_click(lambda _: buttons[name]())
         elif control.choices:
             by_label = {_shown(choice): choice for choice in control.choices}
-            gui.add_button_group(_label(name), tuple(by_label), hint=_HINT).on_click(
+            gui.add_button_group(_label(name), tuple(by_label)).on_click(
                 at_once(lambda label: actions.set_values({name: by_label[label]}))
             )
         else:
             kind = type(STEPS[name])
             low, high = kind(RANGES[name].low), kind(RANGES[name].high)
-            self._slider = gui.add_slider(
-                _label(name), low, high, STEPS[name], kind(getattr(state.perturbation, name)), hint=_HINT
-            )
+            self._slider = gui.add_slider(_label(name), low, high, STEPS[name], kind(getattr(state.perturbation, name)))
             self._slider.on_update(at_once(lambda value: actions.set_values({name: value})))
 
     def follow(self, state: State) -> None:
