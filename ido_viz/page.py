@@ -18,6 +18,7 @@ from ido_viz.files.downloads import DownloadFolder
 from ido_viz.own.own_cloud_tab import NAME as OWN_CLOUD
 from ido_viz.own.own_cloud_tab import OwnCloudTab
 from ido_viz.own.own_scan import LastScan
+from ido_viz.own.preview import Preview
 from ido_viz.own.workshop import Workshop
 from ido_viz.panels.address_bar import AddressBar
 from ido_viz.panels.basin_tab import BasinTab
@@ -79,6 +80,7 @@ class Page:
         self._opener = gui.add_html("")
         self._opened = 0
         self._address = AddressBar(gui)  # beside all parts, for what is hidden is not there
+        preview = Preview(client, self._show_panes, dark=state.dark)  # likewise: it is seen whichever tab is open
         self._captions = Captions(gui)
         self._inside = InsidePanel(gui)
         self._controls = Controls(client, library, state, actions)
@@ -94,9 +96,8 @@ class Page:
         self._workshop, self._own = workshop, None
         if workshop is not None:
             with upper.add_tab(OWN_CLOUD):
-                self._own = OwnCloudTab(
-                    client, workshop, last_scan or LastScan(), state, actions.show_shape, self._show_panes
-                )
+                last_scan = last_scan or LastScan()
+                self._own = OwnCloudTab(client, workshop, preview, last_scan, state, actions.show_shape)
         with upper.add_tab("Derivations"):
             self._derivations = DerivationsTab(gui)
         with upper.add_tab("Help"):

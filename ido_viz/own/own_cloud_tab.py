@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import viser
 
+from ido_viz.core.run import inputs
 from ido_viz.core.state import State
 from ido_viz.own.draft import Draft
 from ido_viz.own.draft_folder import DraftFolder
@@ -26,25 +27,25 @@ class OwnCloudTab:
     Args:
         client: the page.
         workshop: of the server.
+        preview: of the page.
         last_scan: of the page, also before it was reloaded.
         state: what the page begins with.
         show_shape: called with the name of a shape that the panes are to show.
-        show_panes: hides or shows the panes.
     """
 
     def __init__(
         self,
         client: viser.ClientHandle,
         workshop: Workshop,
+        preview: Preview,
         last_scan: LastScan,
         state: State,
         show_shape: Callable[[str], None],
-        show_panes: Callable[[bool], None],
     ) -> None:
         self._workshop, self._state, self._show_shape = workshop, state, show_shape
         self._turn = threading.Lock()  # the queue tells on its thread, the page draws on another
         gui = client.gui
-        self._preview = Preview(client, show_panes, dark=state.dark)
+        self._preview = preview
         self._draft = DraftFolder(gui, workshop, self._preview, self._estimate)
         self._train = TrainFolder(client, workshop, state, self._draft, self._show)
         self._scan = OwnScanFolder(client, workshop, self._preview, last_scan, lambda: self._state.shape)
@@ -78,6 +79,8 @@ class OwnCloudTab:
     def draw(self, state: State) -> None:
         """Draw in the colours of a page."""
         before, self._state = self._state, state
+        if inputs(state) != inputs(before) or state.playing > before.playing:  # what a person looks for is in the panes
+            self._end_previews()
         if state.shape != before.shape:
             self._workshop.judge(state.shape)
             with self._turn:
@@ -100,6 +103,9 @@ class OwnCloudTab:
 
     def _show(self, name: str) -> None:
         """Have the panes show a cloud."""
+        self._end_previews()
+        self._show_shape(name)
+
+    def _end_previews(self) -> None:
         self._draft.end_preview()
         self._scan.end_preview()
-        self._show_shape(name)

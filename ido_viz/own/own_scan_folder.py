@@ -84,15 +84,20 @@ class OwnScanFolder:
         try:
             found = self._last.found = self._registered(name, content)
         except CloudError as error:
-            self._text.content = caption(f"<b>This file cannot be used.</b> {html.escape(str(error))}")
+            self._refuse(f"<b>This file cannot be used.</b> {html.escape(str(error))}")
         except Exception as error:  # the page must outlive it, and the person hear of it
             _log.exception("scan failed")
-            self._text.content = caption(f"<b>This scan cannot be registered.</b> {html.escape(repr(error))}")
+            self._refuse(f"<b>This scan cannot be registered.</b> {html.escape(repr(error))}")
         else:
             self._tell(found)
             self._show(True)
         finally:
             self._upload.disabled = False
+
+    def _refuse(self, why: str) -> None:
+        """Say why, above the scan before, which stays."""
+        before = self._last.found
+        self._text.content = caption(why) + ("" if before is None else scan_html(before))
 
     def _tell(self, found: OwnScan) -> None:
         self._text.content = scan_html(found)

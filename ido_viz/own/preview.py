@@ -27,7 +27,7 @@ _CAPTION = """<style>.over-canvas:not(.of-preview) {{ visibility: hidden; }}
 
 
 class Preview:
-    """One picture at a time.
+    """One picture at a time; its title stands where the preview is made, which must be beside all tabs.
 
     Args:
         client: the page.

@@ -47,7 +47,7 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
 
     upload(explorer, "Upload a cloud", tmp_path / "cloud.xyz")
     page.get_by_text(f"{len(points)} points read").wait_for()
-    assert page.locator(".over-canvas").first.evaluate("box => getComputedStyle(box).visibility") == "hidden"
+    assert page.locator(".verdict").first.is_hidden()
     explorer.type_into("Name", NAME)
     page.get_by_text("maps of each method on 100 scenes").wait_for()
 
@@ -63,9 +63,20 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
     page.get_by_text("histogram distance").wait_for()
     explorer.wait_until("it on the model", lambda: explorer.row("On the model").get_by_role("checkbox").is_checked())
     page.reload()
-    explorer.wait_ready().open_tab("Own cloud")
+    title, verdict = page.locator(".of-preview"), page.locator(".verdict").first
+    explorer.wait_ready().open_tab("Histograms")  # the scan is seen with its title, whichever tab is open
+    expect(title).to_contain_text("scan.xyz")
+    expect(verdict).to_be_hidden()
+    explorer.open_tab("Own cloud")
     page.get_by_text("histogram distance").wait_for()
     assert explorer.row("On the model").get_by_role("checkbox").is_checked()
+    upload(explorer, "Upload a scan", Path(__file__))
+    page.get_by_text("This file cannot be used").wait_for()
+    expect(page.get_by_text("scan.xyz", exact=True).last).to_be_visible()  # the scan before keeps its name
+    explorer.drag("Noise", 0.2)  # whoever changes the scene looks at the panes
+    expect(title).to_have_count(0)
+    expect(verdict).to_be_visible()
+    assert not explorer.row("On the model").get_by_role("checkbox").is_checked()
     with page.expect_download() as download:
         explorer.press("Moved scan (.ply)")
     assert download.value.suggested_filename == "ido-scan-moved.ply"
