@@ -28,8 +28,9 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
     """Have values refused that a page's widgets do not offer.
 
     The browser is answered with the value that the widget has. A number out of range may be the first digits of another
-    one, so that is told when the widget is at rest. What a browser sent before a value of the server's came is taken,
-    but not shown there any more. So a number, and what was refused, is told once more at rest, too.
+    one, so that is told when the widget is at rest. It then has the nearest number that it can have: until then it has
+    that of the digits before. What a browser sent before a value of the server's came is taken, but not shown there any
+    more. So a number, and what was refused, is told once more at rest, too.
 
     Args:
         client: the page.
@@ -37,7 +38,9 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
     """
     gui: Any = client.gui
     connection, take_over = gui._websock_interface, gui._handle_gui_updates
-    moved: dict[str, tuple[float, str | None]] = {}  # when, and what is to be said, of widgets that are to be answered
+    moved: dict[
+        str, tuple[float, str | None, object]
+    ] = {}  # of widgets to be answered: since when, what is wrong, value
 
     def answer(uuid: str, reason: str | None) -> None:
         widget = gui._gui_input_handle_from_uuid.get(uuid)
@@ -46,19 +49,26 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
             if reason is not None:
                 tell(f"{widget.label}: {reason}")
 
-    def look(uuid: str, loop: asyncio.AbstractEventLoop) -> None:
-        at, reason = moved[uuid]
+    def look(client_id: Any, uuid: str, loop: asyncio.AbstractEventLoop) -> None:
+        at, reason, nearest = moved[uuid]
         if loop.time() < at + AT_REST:  # a hand drags it on
-            loop.call_at(at + AT_REST, look, uuid, loop)
+            loop.call_at(at + AT_REST, look, client_id, uuid, loop)
         else:
             del moved[uuid]
-            answer(uuid, reason)
+            ending = loop.create_task(end(client_id, uuid, reason, nearest))
+            ends.add(ending)
+            ending.add_done_callback(ends.discard)
 
-    def answer_at_rest(uuid: str, reason: str | None = None) -> None:
+    async def end(client_id: Any, uuid: str, reason: str | None, nearest: object) -> None:
+        if nearest is not None:
+            await take_over(client_id, GuiUpdateMessage(uuid, {"value": nearest}))
+        answer(uuid, reason)
+
+    def answer_at_rest(client_id: Any, uuid: str, reason: str | None = None, nearest: object = None) -> None:
         loop = asyncio.get_running_loop()
         if uuid not in moved:
-            loop.call_later(AT_REST, look, uuid, loop)
-        moved[uuid] = (loop.time(), reason)
+            loop.call_later(AT_REST, look, client_id, uuid, loop)
+        moved[uuid] = (loop.time(), reason, nearest)
 
     async def take(client_id: Any, message: GuiUpdateMessage) -> None:
         widget, value = gui._gui_input_handle_from_uuid.get(message.uuid), message.updates.get("value")
@@ -68,13 +78,13 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
                 widget._impl.sync_cb = None  # viser would tell the other pages, and there are none: it wakes the sender
             await take_over(client_id, message)
             if message.uuid in moved or _is_number(value):
-                answer_at_rest(message.uuid)
+                answer_at_rest(client_id, message.uuid)
         elif _is_number(value) and _is_number(widget.value) and not widget.disabled:
-            answer_at_rest(message.uuid, reason)
+            answer_at_rest(client_id, message.uuid, reason, _nearest(widget, value))
         else:
             if not widget._impl.is_button:
                 answer(message.uuid, None)
-                answer_at_rest(message.uuid)
+                answer_at_rest(client_id, message.uuid)
             tell(f"{widget.label}: {reason}")
 
     connection.unregister_handler(GuiUpdateMessage, take_over)
@@ -105,10 +115,16 @@ def refusal(widget: Any, value: object) -> str | None:
         return f"{_shown(value)} is not a number."
     low, high = getattr(widget, "min", None), getattr(widget, "max", None)
     if low is not None and value < low:
-        return f"{_shown(value)} is too small; it can be {low:g} at least."
+        return f"{_shown(value)} is too small; the least is {low:g}."
     if high is not None and value > high:
-        return f"{_shown(value)} is too large; it can be {high:g} at most."
+        return f"{_shown(value)} is too large; the most is {high:g}."
     return None
+
+
+def _nearest(widget: Any, value: Any) -> object:
+    """The number in a widget's range that is nearest to one out of range; None where that is none that we can tell."""
+    low, high = getattr(widget, "min", None), getattr(widget, "max", None)
+    return low if low is not None and value < low else high if high is not None and value > high else None
 
 
 def _is_number(value: object) -> bool:
