@@ -47,14 +47,14 @@ def _of_looking(frame: Frame) -> list[str]:
         sides = " &nbsp;".join(f"{_dot(its_color)} {html.escape(side)}" for side, its_color in of_sides)
         parts.append(f"<b>{sides}</b> for model point {point}")
     if frame.inspected.inspection is not None and frame.inside is None and frame.state.coloring != "height":
-        less, more = _dot(_color_of(0)), _dot(_color_of(-1))
+        less, more = _dot(_color_of(0.2)), _dot(_color_of(0.8))  # most points are paler than the ends, which are dark
         away, towards = ("astray", "right way") if frame.inspected.inspection.misleading else ("takes away", "adds")
         parts.append(f"{less} {away} &nbsp;{more} {towards}")
     return parts
 
 
-def _color_of(level: int) -> palette.Color:
-    r, g, b = (int(value) for value in palette.DIVERGING[level])
+def _color_of(share: float) -> palette.Color:
+    r, g, b = (int(value) for value in palette.DIVERGING[round(share * (len(palette.DIVERGING) - 1))])
     return r, g, b
 
 

@@ -15,7 +15,7 @@ from ido_viz.core.actions import at_once
 from ido_viz.core.frame import Frame
 from ido_viz.core.inspection import Inspection
 from ido_viz.core.state import NO_POINT, Coloring, Pane, State
-from ido_viz.panels.markup import caption, method_span, table_html
+from ido_viz.panels.markup import caption, method_span, signed, table_html
 
 NO_BIN = "choose one"
 """Stands first in the list of bins, so that the strongest one can be chosen, too."""
@@ -109,7 +109,7 @@ class InspectTab:
 def bin_label(inspection: Inspection, number: int) -> str:
     """A bin by its model point, side and share."""
     side, point = bin_name(inspection.side.histogram, number)
-    return f"{point} {side} {inspection.values[number]:+.4f}"
+    return f"{point} {side} {signed(inspection.values[number], 4)}"
 
 
 def tables_html(inspection: Inspection, state: State) -> str:
@@ -118,7 +118,7 @@ def tables_html(inspection: Inspection, state: State) -> str:
     what = _WHAT.get(state.coloring, state.coloring)
     title = f"<b>{method_span(side.method, state.dark)}</b> next update, by blocks"
     blocks = [
-        (block.name, f"{total:+.4f}", *(f"{value:+.3f}" for value in of_block))
+        (block.name, signed(total, 4), *(signed(value, 3) for value in of_block))
         for block, total, of_block in zip(
             side.histogram.blocks,
             inspection.values.reshape(len(side.histogram.blocks), -1).sum(axis=1),
@@ -126,7 +126,7 @@ def tables_html(inspection: Inspection, state: State) -> str:
             strict=True,
         )
     ]
-    total = ("all", f"{inspection.values.sum():+.4f}", *(f"{value:+.3f}" for value in shares.update))
+    total = ("all", signed(inspection.values.sum(), 4), *(signed(value, 3) for value in shares.update))
     parts = [caption(title), table_html(("", what, *PARAMETERS), [*blocks, total])]
     if inspection.point is not None:
         parts += [caption(f"model point {inspection.point}"), point_table(inspection, what)]
@@ -157,7 +157,7 @@ def bins_html(inspection: Inspection, by: str) -> str:
         rows.append(
             f'<tr data-bin="{number}" data-pane="{inspection.pane}" style="cursor:pointer;{picked}">'
             f"<td>{point} {html.escape(side)}</td>"
-            + "".join(f'<td style="text-align:right">{c}</td>' for c in (*cells, f"{inspection.values[number]:+.4f}"))
+            + "".join(f'<td style="text-align:right">{c}</td>' for c in (*cells, signed(inspection.values[number], 4)))
             + "</tr>"
         )
     head = "".join(

@@ -13,6 +13,12 @@ def caption(content: str) -> str:
     return f'<div style="font-size:0.75rem;line-height:1.3;margin:2px 8px 0 8px">{content}</div>'
 
 
+def signed(value: float, digits: int) -> str:
+    """A number with its sign and so many decimals; what is rounded to nothing has none."""
+    text = f"{value:+.{digits}f}"
+    return text if float(text) else text[1:]
+
+
 def method_span(method: str, dark: bool) -> str:
     """A method's name in its colour."""
     color = palette.text(palette.method_color(method, dark), dark)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -104,15 +104,16 @@ def series_of(method: str, dark: bool) -> dict[str, Any]:
     return {"label": method, "stroke": color, "width": 2, "points": {"show": True, "size": 4, "fill": color}, **dashes}
 
 
-def legend_html(methods: list[str], rows: Results, dark: bool) -> str:
+def legend_html(methods: Sequence[str], rows: Results, dark: bool) -> str:
     """The methods in their colours."""
     names = " &nbsp;".join(
-        f'<span style="white-space:nowrap"><span style="color:{_text_color(method, dark)}">'
-        f"{'┅' if 'dash' in series_of(method, False) else '━'}</span> {html.escape(method)}</span>"
-        for method in methods
+        f'<span style="white-space:nowrap">{_key(method, dark)} {html.escape(method)}</span>' for method in methods
     )
     return caption(f"Mean over {len(np.unique(rows.trial))} scenes a level. {names}")
 
 
-def _text_color(method: str, dark: bool) -> str:
-    return palette.css(palette.text(palette.method_color(method, dark), dark))
+def _key(method: str, dark: bool) -> str:
+    """A piece of a method's line."""
+    its = series_of(method, dark)
+    line = f"border-top:3px {'dashed' if 'dash' in its else 'solid'} {its['stroke']}"
+    return f'<span style="display:inline-block;width:1.3em;vertical-align:middle;{line}"></span>'

@@ -38,9 +38,9 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
     """
     gui: Any = client.gui
     connection, take_over = gui._websock_interface, gui._handle_gui_updates
-    moved: dict[
-        str, tuple[float, str | None, object]
-    ] = {}  # of widgets to be answered: since when, what is wrong, value
+    ends: set[asyncio.Task[None]] = set()  # or nothing would keep them
+    # Of each widget that is to be answered: since when, what is wrong, and the number that it is to have.
+    moved: dict[str, tuple[float, str | None, object]] = {}
 
     def answer(uuid: str, reason: str | None) -> None:
         widget = gui._gui_input_handle_from_uuid.get(uuid)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute
 from ido_viz.core.state import State, decode, encode
 from ido_viz.core.sweep_results import GROUPS, Choice, mean_scores, rows_of, scene_labels
-from ido_viz.panels.sweeps_tab import series_of
+from ido_viz.panels.sweeps_tab import legend_html, series_of
 
 
 @pytest.fixture(scope="module")
@@ -114,3 +115,11 @@ def test_a_cloud_of_ones_own_has_no_results_and_takes_no_shipped_name(tmp_path: 
     rows, why = rows_of(name, "noise")
     assert len(rows) == 0
     assert "shipped shapes only" in why
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_the_legend_s_lines_are_those_of_the_chart(dark: bool):
+    written = legend_html(method_names("bunny"), shipped_results(), dark)
+    lines = [("dash" in its, its["stroke"]) for its in (series_of(name, dark) for name in method_names("bunny"))]
+    drawn = re.findall(r"border-top:3px (solid|dashed) ([^\"]+)\"", written)
+    assert [(kind == "dashed", color) for kind, color in drawn] == lines

@@ -19,7 +19,7 @@ from ido_viz.core.library import shipped_library
 from ido_viz.core.run import Run, compute
 from ido_viz.core.state import State
 from ido_viz.panels.maps_tab import heatmap_html
-from ido_viz.panels.markup import both_methods, caption, method_span
+from ido_viz.panels.markup import both_methods, caption, method_span, signed
 from ido_viz.panels.readout import readout_html
 
 EVIL = [
@@ -173,3 +173,13 @@ def test_a_picked_points_bins_are_marked_where_they_are_drawn(order: str):
     expected = [100 * (list(bins).index(side * n_model + 100) + 0.5) / len(bins) for side in range(6)]
     assert places == pytest.approx(expected, abs=1e-3)
     assert "left:" not in heatmap_html(maps, 1, bins, "")
+
+
+def test_a_number_that_is_rounded_to_nothing_has_no_sign():
+    assert [signed(value, 3) for value in (-0.0004, 0.0004, -0.0, -0.0006, 12.3456)] == [
+        "0.000",
+        "0.000",
+        "0.000",
+        "-0.001",
+        "+12.346",
+    ]
