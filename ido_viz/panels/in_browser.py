@@ -8,24 +8,30 @@ from __future__ import annotations
 import html
 import json
 
-_OPEN = """for (const tab of document.querySelectorAll('[role=tab]')) {
-  if (tab.textContent.trim() !== %s) continue;
-  tab.click();
-  tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
-  const group = tab.closest('[data-dock-group]');
-  const atEnd = %s;
-  let times = atEnd ? 10 : 1, there = 0;
-  clearInterval(window.scrolling);
-  window.scrolling = setInterval(() => {
-    const areas = [...group?.querySelectorAll('.mantine-ScrollArea-viewport') ?? []];
+_OPEN = """{
+  const [name, atEnd] = [%s, %s];
+  const find = () => [...document.querySelectorAll('[role=tab]')].find(tab => tab.textContent.trim() === name);
+  const groupOf = part => part?.closest?.('[data-dock-group]');
+  const opened = find();
+  opened?.click();
+  opened?.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+  window.stopScrolling?.();
+  const over = new AbortController();
+  const stop = window.stopScrolling = () => { clearInterval(scrolling); over.abort(); };
+  let times = atEnd ? 20 : 1;
+  const scrolling = setInterval(() => {
+    if (document.querySelector('#ido-splash:not(.gone)')) return;
+    const tab = find();
+    if (tab?.ariaSelected !== 'true' || --times < 0) return stop();
+    const areas = [...groupOf(tab).querySelectorAll('.mantine-ScrollArea-viewport')];
     const shown = areas.find(area => area.clientHeight > 0);
-    if (tab.ariaSelected !== 'true' || shown?.scrollTop < there || --times < 0) return clearInterval(window.scrolling);
     shown?.scrollTo({top: atEnd ? shown.scrollHeight : 0});
-    there = atEnd ? shown?.scrollTop ?? 0 : 0;
   }, 300);
+  const touched = ({target}) => groupOf(target) === groupOf(find()) && stop();
+  for (const kind of ['wheel', 'pointerdown']) addEventListener(kind, touched, {capture: true, signal: over.signal});
 }"""
 """A docked tab takes the key Enter, one on a phone the click. What a tab holds comes a while after it was opened, so
-its end is gone to for three seconds, or until a person scrolls up; another tab that was opened meanwhile stays put."""
+its end is gone to for six seconds, or until a person touches it; another tab that was opened meanwhile stays put."""
 
 _ARROWS = """window.lessonKeys ??= (window.addEventListener('keydown', event => {
   const key = {ArrowLeft: 'PageUp', ArrowRight: 'PageDown'}[event.key];

@@ -8,6 +8,7 @@ import numpy as np
 from any_explorer import SETTLING
 from explorer import Explorer, OpenExplorer
 from numpy.typing import NDArray
+from playwright.sync_api import Locator
 
 from ido_viz.teach.lessons import Tab, lesson
 
@@ -46,6 +47,23 @@ def test_the_tab_that_a_step_talks_about_is_open_and_the_one_before_comes_back(e
     explorer.press("Leave")
     for name in ("Compare", "Help"):
         explorer.page.get_by_role("tab", name=name, exact=True, selected=True).wait_for()
+
+
+def test_what_a_step_shows_at_the_end_of_a_tab_is_in_view_when_it_is_opened_by_its_address(explorer: Explorer):
+    table = explorer.page.get_by_text("next update, by blocks")
+    for _ in range(3):
+        explorer.page.goto("about:blank")
+        explorer.page.goto(f"{explorer.app.url}/?lesson=failure/6")
+        explorer.wait_ready()
+        explorer.wait_until("the table in view", lambda: in_view(table))
+
+
+def in_view(what: Locator) -> bool:
+    """Whether something is in the window, with what it lies in scrolled to it."""
+    return what.count() == 1 and what.evaluate(
+        "element => { const box = element.getBoundingClientRect();"
+        " return element.contains(document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2)); }"
+    )
 
 
 def test_a_step_at_the_end_of_a_tab_shows_that_end_even_if_more_comes_late(explorer: Explorer):
