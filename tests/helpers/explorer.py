@@ -100,12 +100,13 @@ class Explorer(AnyExplorer):
             self.press("Leave")
         self.type_key("Escape")
         self.close_notifications()
-        for tab in ("Histograms", "Maps", "Share"):
-            self.open_tab(tab)
-        self.paste(encode(state))
+        for tab in ("Histograms", "Maps"):
+            self.see_tab(tab)
+        if self.state() != state:
+            self.paste(encode(state))
         self.expect_numbers(state)
         self.wait_until("its state", lambda: self.state() == state)
-        self.open_tab("Scene")
+        self.see_tab("Scene")
 
     def rest(self, at_rest: bool) -> None:
         """Let a page cost nothing until it is used again, or use it again."""
@@ -259,11 +260,16 @@ class Explorer(AnyExplorer):
         """Open a tab of a panel."""
         self.page.get_by_role("tab", name=name, exact=True).click()
 
+    def see_tab(self, name: str) -> None:
+        """Open a tab of a panel, unless it is open."""
+        tab = self.page.get_by_role("tab", name=name, exact=True)
+        if tab.get_attribute("aria-selected") != "true":
+            tab.click()
+
     def open_tab_of(self, label: str) -> None:
         """Open the tab of the control panel that something is in, unless it is open or there is none."""
-        tab = self.page.get_by_role("tab", name=TAB_OF.get(label, ""), exact=True)
-        if label in TAB_OF and tab.get_attribute("aria-selected") != "true":
-            tab.click()
+        if label in TAB_OF:
+            self.see_tab(TAB_OF[label])
 
     # Pictures
 
