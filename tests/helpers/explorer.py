@@ -100,12 +100,12 @@ class Explorer(AnyExplorer):
             self.press("Leave")
         self.type_key("Escape")
         self.close_notifications()
-        for tab in ("Histograms", "Maps"):
-            self.see_tab(tab)
+        for tab in ("Histograms", "Maps", "Share"):
+            self.open_tab(tab)
         self.paste(encode(state))
         self.expect_numbers(state)
         self.wait_until("its state", lambda: self.state() == state)
-        self.see_tab("Scene")
+        self.open_tab("Scene")
 
     def rest(self, at_rest: bool) -> None:
         """Let a page cost nothing until it is used again, or use it again."""
@@ -251,31 +251,19 @@ class Explorer(AnyExplorer):
         self.pause()
 
     def paste(self, code: str) -> None:
-        """Paste a code into the Share box; again, if a lesson that is left brings back another tab meanwhile."""
-        deadline = time.monotonic() + PATIENCE
-        while True:
-            try:
-                self.field("State").fill(code, timeout=2000)
-                break
-            except TimeoutError:
-                if time.monotonic() > deadline:
-                    raise
+        """Paste a code into the Share box."""
+        self.field("State").fill(code)
         self.pause()
 
     def open_tab(self, name: str) -> None:
         """Open a tab of a panel."""
         self.page.get_by_role("tab", name=name, exact=True).click()
 
-    def see_tab(self, name: str) -> None:
-        """Open a tab of a panel, unless it is open."""
-        tab = self.page.get_by_role("tab", name=name, exact=True)
-        if tab.get_attribute("aria-selected") != "true":
-            tab.click()
-
     def open_tab_of(self, label: str) -> None:
         """Open the tab of the control panel that something is in, unless it is open or there is none."""
-        if label in TAB_OF:
-            self.see_tab(TAB_OF[label])
+        tab = self.page.get_by_role("tab", name=TAB_OF.get(label, ""), exact=True)
+        if label in TAB_OF and tab.get_attribute("aria-selected") != "true":
+            tab.click()
 
     # Pictures
 
