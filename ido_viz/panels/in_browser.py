@@ -23,7 +23,7 @@ _OPEN = """{
     if (document.querySelector('#ido-splash:not(.gone)')) return;
     const tab = find();
     if (tab?.ariaSelected !== 'true' || --times < 0) return stop();
-    const areas = [...groupOf(tab).querySelectorAll('.mantine-ScrollArea-viewport')];
+    const areas = [...groupOf(tab)?.querySelectorAll('.mantine-ScrollArea-viewport') ?? []];
     const shown = areas.find(area => area.clientHeight > 0);
     shown?.scrollTo({top: atEnd ? shown.scrollHeight : 0});
   }, 300);

@@ -39,7 +39,7 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
     gui: Any = client.gui
     connection, take_over = gui._websock_interface, gui._handle_gui_updates
     ends: set[asyncio.Task[None]] = set()  # or nothing would keep them
-    # Of each widget that is to be answered: since when, what is wrong, and the number that it is to have.
+    # Of each widget that is to be answered: since when, what is wrong, and the number that was refused.
     moved: dict[str, tuple[float, str | None, object]] = {}
 
     def answer(uuid: str, reason: str | None) -> None:
@@ -50,25 +50,27 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
                 tell(f"{widget.label}: {reason}")
 
     def look(client_id: Any, uuid: str, loop: asyncio.AbstractEventLoop) -> None:
-        at, reason, nearest = moved[uuid]
+        at, reason, refused = moved[uuid]
         if loop.time() < at + AT_REST:  # a hand drags it on
             loop.call_at(at + AT_REST, look, client_id, uuid, loop)
         else:
             del moved[uuid]
-            ending = loop.create_task(end(client_id, uuid, reason, nearest))
+            ending = loop.create_task(end(client_id, uuid, reason, refused))
             ends.add(ending)
             ending.add_done_callback(ends.discard)
 
-    async def end(client_id: Any, uuid: str, reason: str | None, nearest: object) -> None:
-        if nearest is not None:
+    async def end(client_id: Any, uuid: str, reason: str | None, refused: object) -> None:
+        widget = gui._gui_input_handle_from_uuid.get(uuid)
+        nearest = None if refused is None or widget is None or widget.disabled else _nearest(widget, refused)
+        if nearest is not None:  # of the range that it has now
             await take_over(client_id, GuiUpdateMessage(uuid, {"value": nearest}))
         answer(uuid, reason)
 
-    def answer_at_rest(client_id: Any, uuid: str, reason: str | None = None, nearest: object = None) -> None:
+    def answer_at_rest(client_id: Any, uuid: str, reason: str | None = None, refused: object = None) -> None:
         loop = asyncio.get_running_loop()
         if uuid not in moved:
             loop.call_later(AT_REST, look, client_id, uuid, loop)
-        moved[uuid] = (loop.time(), reason, nearest)
+        moved[uuid] = (loop.time(), reason, refused)
 
     async def take(client_id: Any, message: GuiUpdateMessage) -> None:
         widget, value = gui._gui_input_handle_from_uuid.get(message.uuid), message.updates.get("value")
@@ -80,7 +82,7 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
             if message.uuid in moved or _is_number(value):
                 answer_at_rest(client_id, message.uuid)
         elif _is_number(value) and _is_number(widget.value) and not widget.disabled:
-            answer_at_rest(client_id, message.uuid, reason, _nearest(widget, value))
+            answer_at_rest(client_id, message.uuid, reason, value)
         else:
             if not widget._impl.is_button:
                 answer(message.uuid, None)

@@ -47,7 +47,7 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
 
     upload(explorer, "Upload a cloud", tmp_path / "cloud.xyz")
     page.get_by_text(f"{len(points)} points read").wait_for()
-    assert page.locator(".verdict").first.is_hidden()
+    assert page.locator(".over-canvas:not(.of-preview)").first.evaluate(VISIBILITY) == "hidden"
     explorer.type_into("Name", NAME)
     page.get_by_text("maps of each method on 100 scenes").wait_for()
 
@@ -87,6 +87,8 @@ def test_a_cloud_is_uploaded_trained_shown_registered_to_and_deleted(explorer: E
     expect(page.get_by_role("alert").filter(has_text="This cloud is gone")).to_be_visible()
     assert list((tmp_path / "data").glob("*.npz")) == []
 
+
+VISIBILITY = "box => getComputedStyle(box).visibility"
 
 DROP = """(zone, [name, text]) => {
     const carried = new DataTransfer();

@@ -139,6 +139,12 @@ class Explorer(AnyExplorer):
         """The state of the page's address: unlike the Share box, it is there whichever tab is open."""
         return decode(read_fragment(self.page.evaluate(READ_FRAGMENT)).code)
 
+    def expect_to_agree(self) -> State:
+        """Wait until the readout fits the state, see that it stays so and that the Share box has it; the state."""
+        state = super().expect_to_agree()
+        assert decode(self.code()) == state, "the Share box has another state than the address"
+        return state
+
     def notifications(self) -> list[str]:
         """The messages on the page, without the browser's own about software rendering."""
         texts = self.page.get_by_role("alert").all_inner_texts()
