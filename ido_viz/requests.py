@@ -189,9 +189,9 @@ class Requests(LiveState):
                 self._clock.start(0.0, IN_HAND if holds else AFTER_LETTING_GO)
                 self._awake.notify()
 
-    def _click(self, origin: FloatArray, direction: FloatArray) -> None:
+    def _click(self, origin: FloatArray, direction: FloatArray, places: FloatArray) -> None:
         run = self._run
-        found = point_at(run, origin, direction) if run else None
+        found = point_at(run, origin, direction, places) if run else None
         if found:
             self._change(lambda state: replace(state, inspected_pane=found[0], inspected=found[1]))
             self._open_inspect()

@@ -25,7 +25,7 @@ from ido.global_registration import Evidence
 from ido.global_registration.confidence import features, probability
 from ido.types import DoubleArray, FloatArray
 
-SHAPES_A_FAMILY, SCENES = 4, 24
+SHAPES_A_FAMILY, SCENES = 12, 24
 POINTS = 20_000
 SEED = 40_000_000
 RIDGE = 1.0

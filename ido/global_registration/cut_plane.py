@@ -117,9 +117,25 @@ class Posterior:
         return self.planes.likeliest(moved, self._odds(moved))
 
     def _odds(self, moved: FloatArray) -> DoubleArray:
-        model, ball = self.shares
-        others = ball * self.background.ball + (1 - model - ball) * self.background.uniform
-        return model * self.field(moved).astype(np.float64) / np.maximum(others, _LEAST_DENSITY)
+        return odds_of(self.background, self.field, self.shares, moved)
+
+
+def odds_of(background: Background, field: Field, shares: DoubleArray, moved: FloatArray) -> DoubleArray:
+    """How much likelier each point is of the model than of the outliers, without a plane.
+
+    Args:
+        background: of the scene.
+        field: the model's density.
+        shares: of the model and of the ball among the points, shape (..., 2).
+        moved: the scene at a pose, shape (..., S, 3).
+
+    Returns:
+        the odds, shape (..., S).
+    """
+    model, ball = shares[..., :1], shares[..., 1:]
+    others = ball * background.ball + (1 - model - ball) * background.uniform
+    density = field(moved.reshape(-1, 3)).reshape(moved.shape[:-1])
+    return model * density.astype(np.float64) / np.maximum(others, _LEAST_DENSITY)
 
 
 @compiled(error_model="numpy")

@@ -9,9 +9,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ido.global_registration.cut_plane import Posterior, Refined
-from ido.kernels import pose_of
 from ido.poses import transform
-from ido.types import DoubleArray, FloatArray
+from ido.types import DoubleArray
 
 NEAR = 0.1
 """A part of the model is covered when an explained point lies within this distance of it (model units)."""
@@ -20,9 +19,7 @@ EQUAL = 5.0
 """Poses whose log-likelihoods differ by less fit equally. Equal poses of a symmetric shape, whose fields are made of
 different samples, differ by a few."""
 
-_STEP = 0.01  # rad, model units: over the kinks of the field between its corners
 _TEMPER = 3.0  # how soon poses that fit worse than equally count less, log-likelihood
-_LOOSEST = 1.0  # deviation that a pose can have along any direction (rad, model units)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,13 +52,14 @@ class Evidence:
     covariance: DoubleArray
 
     @classmethod
-    def of(cls, posterior: Posterior, best: Refined, others: Sequence[Refined]) -> Evidence:
+    def of(cls, posterior: Posterior, best: Refined, others: Sequence[Refined], covariance: DoubleArray) -> Evidence:
         """The evidence for a pose.
 
         Args:
             posterior: of the scene that it was found for.
             best: the pose and its plane.
             others: those that it was chosen over, none alike, the likeliest first.
+            covariance: of the pose, shape (6, 6).
         """
         points, model = posterior.points, posterior.model
         n = len(np.unique(points, axis=0))  # what is repeated says nothing new
@@ -76,7 +74,6 @@ class Evidence:
         kept = model[model @ best.normal < best.offset]
         near = moved[member > 0.5]
         covered = float((KDTree(near).query(kept)[0] < NEAR).mean()) if len(near) and len(kept) else 0.0
-        covariance = _covariance(posterior, best)
         return cls(
             explained=share * n,
             share=share,
@@ -89,23 +86,6 @@ class Evidence:
             error=_error(covariance, model.astype(np.float64)),
             covariance=covariance,
         )
-
-
-def _covariance(posterior: Posterior, best: Refined) -> DoubleArray:
-    """The inverse of the negative log-likelihood's curvature, by differences of its gradient."""
-    curvature = np.empty((6, 6))
-    for i, step in enumerate(_STEP * np.eye(6)):
-        ahead, behind = (posterior(moved_by(s * step, best.T), best.normal, best.offset)[1][:6] for s in (1, -1))
-        curvature[i] = (behind - ahead) * len(posterior.points) / (2 * _STEP)
-    values, vectors = np.linalg.eigh((curvature + curvature.T) / 2)
-    return (vectors / np.maximum(values, _LOOSEST**-2)) @ vectors.T
-
-
-def moved_by(motion: FloatArray, T: FloatArray) -> DoubleArray:
-    """A pose (4, 4) turned about the model's origin and then shifted: motion (6,) is shift first, turn last."""
-    moved = pose_of(np.concatenate([np.zeros(3), motion[3:]])) @ T
-    moved[:3, 3] += motion[:3]
-    return moved
 
 
 def _error(covariance: DoubleArray, model: DoubleArray) -> float:

@@ -8,15 +8,16 @@ from typing import Protocol
 
 import numpy as np
 
-from ido.global_registration.climbing import climb
-from ido.global_registration.cut_plane import Posterior, refine
-from ido.global_registration.evidence import moved_by
-from ido.global_registration.fields import SIGMAS
+from ido import poses
+from ido.global_registration.climbing import Climb, climb
+from ido.global_registration.cut_plane import Posterior, odds_of, refine
+from ido.global_registration.fields import SIGMAS, Field
 from ido.global_registration.global_result import Branch, Candidate, GlobalResult, Stage
 from ido.global_registration.model import GlobalModel
 from ido.global_registration.outliers import Background
 from ido.global_registration.planes import NO_PLANE
 from ido.global_registration.settings import GlobalSettings
+from ido.global_registration.spread import Spread, covariance_at, moved_by
 from ido.histograms import finite
 from ido.registration import Trajectory, Watch
 from ido.types import DoubleArray, FloatArray, IntArray
@@ -31,6 +32,7 @@ MOST_POINTS = 20_000
 """Of a larger scene a random subset of so many is searched with, always the same one."""
 
 _FIRST = ((-1, 5, 200, 160), (-2, 8, 256, 64), (-2, 8, 384, 7))  # field, steps, points, and how many starts go on
+_LAST_FEW = 20  # fewer starts than that go on to the end, and no two alike
 _LAST_STEPS, _LAST_POINTS = 10, 1200
 _REFINED = 4
 _TURNS, _CLOSE = 2, 0.05  # plane and pose by turns, of those that are so near to the best (log-likelihood per point)
@@ -105,8 +107,11 @@ class GlobalRegistration:
                     watch(steps)
             branches.append(Branch(background, scores, tuple(stages)))
         few = order[:_LAST_POINTS]
-        result = GlobalResult(centring, tuple(branches), self._refined(centred, few, branches), len(points))
-        return result if len(whole) <= _LAST_POINTS else self._with_all(result, whole - middle)
+        candidates = self._refined(centred, few, branches)
+        first = candidates[0]
+        spread = Spread.of(first.posterior, first.refined)
+        T = spread.T if len(whole) <= _LAST_POINTS else self._with_all(first, whole - middle)
+        return GlobalResult(centring, tuple(branches), candidates, spread.covariance, T, len(points))
 
     def _climbed(self, points: FloatArray, background: Background, T: DoubleArray, order: IntArray) -> Iterator[Stage]:
         """First on few points, with fewer and fewer starts; then on more, from wide to narrow, all that are left."""
@@ -114,29 +119,42 @@ class GlobalRegistration:
         telling = order[np.argsort(background.in_ball[order] > 0.5, kind="stable")]
         for i, steps, n_points, kept in _FIRST:
             few = telling[:n_points]
-            tried = climb(points[few], background.part(few), self.model.fields[i], T, steps)
-            best = np.argsort(-tried.log_likelihood[:, -1], kind="stable")
-            best = _distinct(tried.poses[:, -1], best, kept) if kept < 20 else best[:kept]
+            part, field = background.part(few), self.model.fields[i]
+            tried = climb(points[few], part, field, T, steps)
+            heights, last = tried.log_likelihood[:, -1], kept < _LAST_FEW
+            if last and self.settings.cut_plane:
+                heights = heights + self._raised(points[few], part, field, tried)
+            best = np.argsort(-heights, kind="stable")
+            best = _distinct(tried.poses[:, -1], best, kept) if last else best[:kept]
             T = tried.poses[best, -1]
             yield Stage(tried, best)
         few = order[:_LAST_POINTS]
         yield from _narrowing(points[few], background.part(few), self.model, T)
 
+    def _raised(self, points: FloatArray, background: Background, field: Field, tried: Climb) -> DoubleArray:
+        """By how much a plane raises the log-likelihood per point of each start where it is, shape (n,).
+
+        Where much is missing, the climb, which knows no plane, is higher elsewhere.
+        """
+        moved = poses.transform(tried.poses[:, -1], points).astype(np.float32)
+        odds = odds_of(background, field, tried.shares, moved)
+        return self.model.few_planes.gains(moved, odds) / len(points)
+
     @property
     def _ball_free(self) -> GlobalSettings:
         return replace(self.settings, ball=False)
 
-    def _with_all(self, result: GlobalResult, points: FloatArray) -> GlobalResult:
-        """The same with the chosen pose moved by a Newton step on the likelihood of all points (S, 3), centred."""
-        best, evidence = result.candidates[0], result.evidence
-        background = Background.of(points, self.settings if best.posterior.background.has_ball else self._ball_free)
-        everything = replace(best.posterior, points=points, background=background)
-        before, gradient = everything(best.refined.T, best.refined.normal, best.refined.offset)
-        T = moved_by(evidence.covariance @ gradient[:6] * len(best.posterior.points), best.refined.T)
-        if everything(T, best.refined.normal, best.refined.offset)[0] <= before:
-            return result
-        first = replace(best, refined=replace(best.refined, T=T))
-        return replace(result, candidates=(first, *result.candidates[1:]))
+    def _with_all(self, best: Candidate, points: FloatArray) -> DoubleArray:
+        """The chosen pose moved by a Newton step on the likelihood of all points (S, 3), centred.
+
+        Of so many points, the top and the mean are one.
+        """
+        top, few = best.refined, best.posterior
+        background = Background.of(points, self.settings if few.background.has_ball else self._ball_free)
+        everything = replace(few, points=points, background=background)
+        before, gradient = everything(top.T, top.normal, top.offset)
+        T = moved_by(covariance_at(few, top) @ gradient[:6] * len(few.points), top.T)
+        return T if everything(T, top.normal, top.offset)[0] > before else top.T
 
     def _refined(self, points: FloatArray, few: IntArray, branches: list[Branch]) -> tuple[Candidate, ...]:
         """The likeliest poses of all branches, refined; alike ones are dropped."""
@@ -175,7 +193,7 @@ def polish(
         settings: what is assumed of the scene.
 
     Returns:
-        the pose at the top of the likelihood near it, shape (4, 4).
+        the mean pose about the top of the likelihood near it, shape (4, 4).
 
     Raises:
         ValueError: coordinates are not finite, there are fewer than 10 points, or all lie in one place.
@@ -187,7 +205,7 @@ def polish(
     background = Background.of(points, settings)
     stages = tuple(_narrowing(points, background, model, np.asarray(T_model_scene, dtype=np.float64)[None]))
     ((_, posterior, T, _),) = _summits(points, background, model, stages, cut=settings.cut_plane)
-    return refine(posterior, T, cut=settings.cut_plane).T
+    return Spread.of(posterior, refine(posterior, T, cut=settings.cut_plane)).T
 
 
 def checked(points: FloatArray) -> FloatArray:

@@ -85,20 +85,24 @@ class GlobalResult:
     Args:
         centring: the pose (4, 4) that moved the scene's middle to the origin, before all else.
         branches: what was tried.
-        candidates: the final poses, no two alike, the likeliest first: that is the one chosen.
+        candidates: the tops of the likelihood, no two alike, the highest first: that is the one chosen.
+        covariance: of the chosen pose: shift (model units) and turn (rad) in the model's frame, shape (6, 6).
+        T: the pose of the centred scene, at or near the chosen top, shape (4, 4).
         searched: number of points that were searched and climbed with; all are used at the end.
     """
 
     centring: DoubleArray
     branches: tuple[Branch, ...]
     candidates: tuple[Candidate, ...]
+    covariance: DoubleArray
+    T: DoubleArray
     searched: int
 
     @cached_property
     def evidence(self) -> Evidence:
         """What speaks for the chosen pose."""
         first, *others = self.candidates
-        return Evidence.of(first.posterior, first.refined, [other.refined for other in others])
+        return Evidence.of(first.posterior, first.refined, [other.refined for other in others], self.covariance)
 
     @property
     def best(self) -> Refined:
@@ -106,14 +110,14 @@ class GlobalResult:
 
     @property
     def T_model_scene(self) -> DoubleArray:
-        """The chosen pose, shape (4, 4)."""
-        return self.best.T @ self.centring
+        """The pose, shape (4, 4)."""
+        return self.T @ self.centring
 
     @property
     def trajectory(self) -> Trajectory:
         """The way of the chosen pose: from where the scene lies to a start of the search, and uphill from there."""
         chosen = self.candidates[0]
         climbed = self.branches[chosen.branch].lineage(chosen.start, chosen.stage)
-        T = np.concatenate([np.eye(4)[None], np.stack([*climbed, self.best.T]) @ self.centring])
+        T = np.concatenate([np.eye(4)[None], np.stack([*climbed, self.T]) @ self.centring])
         motions = poses.log(T[1:] @ poses.invert(T[:-1]))
         return Trajectory(poses.log(T), np.linalg.norm(motions, axis=1), StopReason.CONVERGED, np.nan)

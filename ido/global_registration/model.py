@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 
 from ido.clouds import Model
 from ido.global_registration.fields import SIGMAS, Field
-from ido.global_registration.planes import Planes
+from ido.global_registration.planes import FEW_DIRECTIONS, FEW_KEPT, Planes
 from ido.global_registration.search import Search
 from ido.types import FloatArray
 
@@ -25,11 +25,13 @@ class GlobalModel:
         fields: its density at every width of `SIGMAS`.
         search: its turned transforms.
         planes: beyond which a scene may miss it.
+        few_planes: of these, for a first look at many poses.
     """
 
     fields: tuple[Field, ...]
     search: Search
     planes: Planes
+    few_planes: Planes
 
     @classmethod
     def of(cls, points: FloatArray, rotations: int = 768) -> GlobalModel:
@@ -41,7 +43,8 @@ class GlobalModel:
         """
         fields = tuple(Field.of(points, sigma) for sigma in SIGMAS)
         sample = np.random.default_rng(0).choice(points, min(len(points), _SAMPLE), replace=False)
-        return cls(fields, Search.of(fields[-1], rotations), Planes.of(sample))
+        few = Planes.of(sample, FEW_DIRECTIONS, FEW_KEPT)
+        return cls(fields, Search.of(fields[-1], rotations), Planes.of(sample), few)
 
 
 def surface_of(model: Model) -> FloatArray:

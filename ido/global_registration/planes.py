@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +13,9 @@ from ido.types import DoubleArray, FloatArray
 
 KEPT = np.array([0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.43, 0.5, 0.58, 0.66, 0.75, 0.84, 0.92])
 """Shares of the model that planes keep."""
+
+FEW_DIRECTIONS, FEW_KEPT = 60, np.array([0.2, 0.3, 0.43, 0.6, 0.8])
+"""Of few planes, to tell roughly how likely many poses are."""
 
 NO_PLANE = (np.array([1.0, 0.0, 0.0]), 1e3)
 """Normal and offset of a plane beyond everything (model units)."""
@@ -22,24 +27,26 @@ _LARGE = 1e200  # a product that is larger is near to overflow
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planes:
-    """Planes of a model in many directions; plane k of each keeps the share ``KEPT[k]`` of it.
+    """Planes of a model in many directions; plane k of each keeps the share ``kept[k]`` of it.
 
     Args:
         sample: points of the model, shape (M, 3), float32, model units.
         directions: unit normals, towards what is missing, shape (D, 3).
         offsets: of the planes along their normals, shape (D, K), model units.
+        kept: shares of the model, shape (K,).
     """
 
     sample: FloatArray
     directions: DoubleArray
     offsets: DoubleArray
+    kept: DoubleArray
 
     @classmethod
-    def of(cls, sample: FloatArray) -> Planes:
+    def of(cls, sample: FloatArray, n_directions: int = _DIRECTIONS, kept: DoubleArray = KEPT) -> Planes:
         """The planes of a model, given by some of its points (M, 3)."""
-        directions = spread_directions(_DIRECTIONS)
-        offsets = np.quantile(sample.astype(np.float64) @ directions.T, KEPT, axis=0).T
-        return cls(np.ascontiguousarray(sample, dtype=np.float32), directions, np.ascontiguousarray(offsets))
+        directions = spread_directions(n_directions)
+        offsets = np.quantile(sample.astype(np.float64) @ directions.T, kept, axis=0).T
+        return cls(np.ascontiguousarray(sample, dtype=np.float32), directions, np.ascontiguousarray(offsets), kept)
 
     def likeliest(self, moved: FloatArray, odds: DoubleArray) -> tuple[DoubleArray, float]:
         """The plane under which a scene is likeliest (docs/global.md, Eq. 6); `NO_PLANE` where none helps.
@@ -53,10 +60,27 @@ class Planes:
         """
         telling = odds > _TELLING
         along = np.ascontiguousarray(self.directions @ moved[telling].T.astype(np.float64))
-        direction, number = _likeliest(along, odds[telling], self.offsets, KEPT)
+        _, direction, number = _likeliest(along, odds[telling], self.offsets, self.kept)
         if direction < 0:
             return NO_PLANE
         return self.directions[direction], float(self.offsets[direction, number])
+
+    def gains(self, moved: FloatArray, odds: DoubleArray) -> DoubleArray:
+        """By how much the likeliest plane raises the log-likelihood of a scene at many poses, shape (n,).
+
+        Args:
+            moved: the scene at each pose, shape (n, S, 3).
+            odds: of each point there, of the model against the outliers, without a plane; shape (n, S).
+        """
+        gains = np.empty(len(moved))
+
+        def part(begin: int, end: int) -> None:
+            _gains(moved[begin:end], odds[begin:end], self.directions, self.offsets, self.kept, gains[begin:end])
+
+        edges = np.linspace(0, len(moved), (os.cpu_count() or 1) + 1).astype(int)
+        with ThreadPoolExecutor(len(edges) - 1) as pool:
+            list(pool.map(part, edges[:-1], edges[1:]))
+        return gains
 
 
 def spread_directions(n: int) -> DoubleArray:
@@ -68,14 +92,18 @@ def spread_directions(n: int) -> DoubleArray:
 
 
 @compiled(error_model="numpy")
-def _likeliest(along: DoubleArray, odds: DoubleArray, offsets: DoubleArray, kept: DoubleArray) -> tuple[int, int]:
-    """Direction and number of the plane with the greatest Σ log(1 + odds [on its kept side] / kept); -1 for none.
+def _likeliest(
+    along: DoubleArray, odds: DoubleArray, offsets: DoubleArray, kept: DoubleArray
+) -> tuple[float, int, int]:
+    """Direction and number of the plane with the greatest Σ log(1 + odds [on its kept side] / kept), -1 for none, and
+    by how much that is greater than without a plane.
 
     Points (S,) lie `along` the directions, shape (D, S); the planes have `offsets` (D, K) there and keep shares (K,).
     """
-    best, direction, number = 0.0, -1, -1
+    without, direction, number = 0.0, -1, -1
     for s in range(len(odds)):
-        best += np.log(1 + odds[s])
+        without += np.log(1 + odds[s])
+    best = without
     for d in range(len(along)):
         for k in range(len(kept)):
             total, product = 0.0, 1.0  # of products, fewer logarithms have to be taken
@@ -88,4 +116,24 @@ def _likeliest(along: DoubleArray, odds: DoubleArray, offsets: DoubleArray, kept
             total += np.log(product)
             if total > best:
                 best, direction, number = total, d, k
-    return direction, number
+    return best - without, direction, number
+
+
+@compiled(error_model="numpy")
+def _gains(
+    moved: FloatArray,
+    odds: DoubleArray,
+    directions: DoubleArray,
+    offsets: DoubleArray,
+    kept: DoubleArray,
+    out: DoubleArray,
+) -> None:
+    """For each pose, points (n, S, 3) and their odds (n, S), what `_likeliest` gains."""
+    for i in range(len(moved)):
+        telling = np.flatnonzero(odds[i] > _TELLING)
+        along = np.empty((len(directions), len(telling)))
+        for d in range(len(directions)):
+            a, b, c = directions[d]
+            for place, s in enumerate(telling):
+                along[d, place] = a * moved[i, s, 0] + b * moved[i, s, 1] + c * moved[i, s, 2]
+        out[i] = _likeliest(along, odds[i][telling], offsets, kept)[0]

@@ -20,6 +20,8 @@ _PATIENCE = 20.0  # seconds in which a page gets to the place that it was sent
 _LIFT = 0.12  # of the height that is seen
 _SETTLING = 0.03  # seconds after which what is read of a camera belongs together
 _SAME = 0.01  # places that differ less are one
+_SAME_SIDE = 0.002  # and directions to the right
+_STEEP = 0.02  # of the way to a camera: with less of it beside the vertical, it looks straight down
 
 
 class Camera:
@@ -31,11 +33,20 @@ class Camera:
     Args:
         camera: of the page.
         moved: called with these numbers when a person has moved it.
+        turned: called with the horizontal direction that points to the right in the window, shape (3,), where another
+            one does.
     """
 
-    def __init__(self, camera: viser.CameraHandle, moved: Callable[[tuple[float, ...]], None]) -> None:
+    def __init__(
+        self,
+        camera: viser.CameraHandle,
+        moved: Callable[[tuple[float, ...]], None],
+        turned: Callable[[DoubleArray], None],
+    ) -> None:
         self._camera = camera
         self._moved = moved
+        self._turned = turned
+        self._right: DoubleArray = np.array([1.0, 0.0, 0.0])
         self._aspect = 0.0  # of the window that it was placed for
         self._placed: tuple[float, ...] = NO_CAMERA
         self._lifted = False
@@ -71,6 +82,8 @@ class Camera:
                 self._place()
 
     def _on_update(self) -> None:
+        with self._lock:
+            self._turn()
         place = self._elsewhere()
         if place is not None:
             with self._lock:
@@ -110,6 +123,14 @@ class Camera:
         self._camera.position = middle + place[3:] + distance * place[:3]
         self._camera.look_at = middle + place[3:]
         self._sent = self._camera.update_timestamp
+        self._turn()
+
+    def _turn(self) -> None:
+        """Tell of what lies to the right now."""
+        right = to_the_right(np.asarray(self._camera.position) - np.asarray(self._camera.look_at))
+        if right is not None and not np.allclose(right, self._right, atol=_SAME_SIDE):
+            self._right = right
+            self._turned(right)
 
     def _seen(self) -> tuple[float, ...]:
         distance, middle = self._fit()
@@ -124,6 +145,14 @@ class Camera:
         distance = height / 2 / float(np.tan(self._camera.fov / 2))
         # on a phone the controls cover the lower part, so the panes move up
         return distance, np.array([0.0, 0.0, -height * (0.27 if portrait else _LIFT if self._lifted else 0.0)])
+
+
+def to_the_right(way: DoubleArray) -> DoubleArray | None:
+    """The horizontal direction to the right of who looks back along a way (3,); None from straight above or below."""
+    across = float(np.hypot(way[0], way[1]))
+    if across <= _STEEP * float(np.linalg.norm(way)):
+        return None
+    return np.array([-way[1], way[0], 0.0]) / across
 
 
 _FITTED = (*(VIEW_DIRECTION / np.linalg.norm(VIEW_DIRECTION)).tolist(), 0.0, 0.0, 0.0)

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 import viser
 
-from ido.types import FloatArray
+from ido.types import DoubleArray, FloatArray
 from ido_viz.canvas.camera import Camera
 from ido_viz.canvas.pane import PANE_OFFSETS, PaneView
 from ido_viz.core.actions import Actions
@@ -37,7 +37,7 @@ class Canvas:
         scene.configure_default_lights(cast_shadow=False)
         scene.add_light_ambient("/ambient", intensity=0.4)
         self._panes = [PaneView(scene, pane, partial(actions.grab, pane)) for pane in range(2)]
-        self._camera = Camera(client.camera, actions.look)
+        self._camera = Camera(client.camera, actions.look, self._stand_beside)
 
     def show(self, shown: bool) -> None:
         """Show both panes, or nothing."""
@@ -47,7 +47,13 @@ class Canvas:
 
     def _clicked(self, event: Any) -> None:
         if self._shown:  # what cannot be seen is not picked
-            self._actions.click(np.array(event.ray_origin), np.array(event.ray_direction))
+            places = np.array([pane.place for pane in self._panes])
+            self._actions.click(np.array(event.ray_origin), np.array(event.ray_direction), places)
+
+    def _stand_beside(self, right: DoubleArray) -> None:
+        """Keep the panes beside each other for who looks from elsewhere: none stands before the other."""
+        for pane, offset in zip(self._panes, PANE_OFFSETS, strict=True):
+            pane.stand(offset * right)
 
     def draw(self, frame: Frame, *, lifted: bool = False) -> None:
         """Draw both panes, lifted where something stands below them; the first time, seen from where the state says."""
@@ -66,11 +72,11 @@ class Canvas:
             pane.move(side)
 
 
-def point_at(run: Run, origin: FloatArray, direction: FloatArray) -> tuple[Pane, int] | None:
-    """The pane and number of the model point that a ray in the 3D view meets."""
+def point_at(run: Run, origin: FloatArray, direction: FloatArray, places: FloatArray) -> tuple[Pane, int] | None:
+    """The pane and number of the model point that a ray in the 3D view meets; the panes stand at places (2, 3)."""
     turn = upright(run.subject.up)
-    for pane, x, side in zip(get_args(Pane), PANE_OFFSETS, run.sides, strict=True):
-        points = turn.apply(side.histogram.model.points) + np.array([x, 0.0, 0.0])
+    for pane, place, side in zip(get_args(Pane), places, run.sides, strict=True):
+        points = turn.apply(side.histogram.model.points) + place
         found = point_on_ray(points, origin, direction, _CLICK_REACH)
         if found is not None:
             return pane, found

@@ -27,7 +27,7 @@ class Handles:
 
     def __init__(self, scene: viser.SceneApi, root: str, grabbed: Callable[[str, FloatArray], None]) -> None:
         self._controls = scene.add_transform_controls(
-            f"{root}/handles", scale=_SIZE, line_width=2.0, disable_sliders=True, depth_test=False, opacity=0.55
+            f"{root}/handles", scale=_SIZE, line_width=3.5, disable_sliders=True, depth_test=False, opacity=0.7
         )
         self._held = self._turned = False
         self._grabbed = grabbed

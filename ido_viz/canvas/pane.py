@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from ido import Question, Scene, poses
-from ido.types import BoolArray, FloatArray
+from ido.types import BoolArray, DoubleArray, FloatArray
 from ido_viz.canvas.diagram import Diagram
 from ido_viz.canvas.handles import Handles
 from ido_viz.canvas.model_view import ModelView
@@ -26,7 +26,7 @@ from ido_viz.core.state import BEATS, NO_POINT
 from ido_viz.core.wording import progress_line
 
 PANE_OFFSETS = (-1.17, 1.17)
-"""x of each pane's centre, model units."""
+"""How far to the right of the middle of both each pane's centre is, model units."""
 
 _NO_LINES = np.zeros((1, 2, 3), dtype=np.float32)
 _NO_POINTS = np.zeros((1, 3), dtype=np.float32)
@@ -58,7 +58,9 @@ class PaneView:
     ) -> None:
         self._pane = pane
         root = f"/{('left', 'right')[pane]}"
-        self._root = scene.add_frame(root, show_axes=False, position=(PANE_OFFSETS[pane], 0.0, 0.0))
+        self.place: DoubleArray = np.array([PANE_OFFSETS[pane], 0.0, 0.0])
+        """Where its centre is in the 3D view, shape (3,)."""
+        self._root = scene.add_frame(root, show_axes=False, position=self.place)
         self._label: Any = None
         if titled:
             place = (PANE_OFFSETS[pane], 0.0, 1.3)
@@ -103,6 +105,11 @@ class PaneView:
     def show(self, shown: bool) -> None:
         """Show all of the pane, or nothing."""
         self._root.visible = shown
+
+    def stand(self, place: DoubleArray) -> None:
+        """Put its centre at a place of the 3D view, shape (3,)."""
+        self.place = place
+        self._root.position = place
 
     def draw(self, frame: Frame) -> None:
         """Draw the pane's side of a frame, and what is looked into; of the other side, the picked points alone."""

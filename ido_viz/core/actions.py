@@ -42,8 +42,8 @@ class Actions:
     inspect: Callable[[dict[str, Any]], None]
     set_values: Callable[[Mapping[str, Any]], None]
     """Called with values by their names in `VALUES`."""
-    click: Callable[[FloatArray, FloatArray], None]
-    """Called with origin and direction of the ray of a click in the 3D view."""
+    click: Callable[[FloatArray, FloatArray, FloatArray], None]
+    """Called with origin and direction of the ray of a click in the 3D view, and where both panes are, (2, 3)."""
     pick: Callable[[str, int, float], None]
     """Called with the kind, the pane and the place of a click into a picture, as `panels.picking` has them."""
     clear: Callable[[], None]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ido.global_registration import Branch, Confidence, GlobalResult
-from ido.global_registration.evidence import moved_by
+from ido.global_registration.spread import moved_by
 from ido.types import DoubleArray, FloatArray, IntArray
 
 FADING = 6

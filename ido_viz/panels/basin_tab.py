@@ -35,14 +35,14 @@ class BasinTab:
         gui.add_html(caption(_HINT))
         start = gui.add_button("Map the basin", hint="Register the scene from many turns with both panes' methods.")
         start.on_click(plain(actions.map_basin))
-        self._cancel = gui.add_button("Cancel", color="gray", visible=False, hint="Keep what is there and stop.")
+        self._cancel = gui.add_button("Cancel", color="gray", disabled=True, hint="Keep what is there and stop.")
         self._cancel.on_click(plain(actions.cancel_basin))
         self._maps = gui.add_html("")
 
     def draw(self, frame: Frame, basin: Basin) -> None:
         """Draw what is known so far for both panes' methods."""
-        if self._cancel.visible != basin.running:
-            self._cancel.visible = basin.running
+        if self._cancel.disabled == basin.running:
+            self._cancel.disabled = not basin.running
         content = basin_html(frame, basin) if basin.begun else ""
         if self._maps.content != content:
             self._maps.content = content

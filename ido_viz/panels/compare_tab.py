@@ -23,7 +23,7 @@ class CompareTab:
         )
         self._start.on_click(plain(actions.compare))
         self._cancel = gui.add_button(
-            "Cancel", color="gray", visible=False, hint="Keep the rows that are there and stop."
+            "Cancel", color="gray", disabled=True, hint="Keep the rows that are there and stop."
         )
         self._cancel.on_click(plain(actions.cancel_comparison))
         self._sort = gui.add_dropdown("Sort by", tuple(SORTS), initial_value="PointAcc", hint="Best first.")
@@ -42,7 +42,8 @@ class CompareTab:
 
     def draw(self, comparison: Comparison, state: State) -> None:
         """Draw the rows that are there."""
-        self._set_visible(comparison.running)
+        if self._cancel.disabled == comparison.running:
+            self._cancel.disabled = not comparison.running
         rows = sorted(comparison.rows, key=SORTS[self._sort.value])
         head = head_html(
             len(rows), len(comparison.methods), comparison.running, comparison.fits(state), comparison.waiting
@@ -67,10 +68,6 @@ class CompareTab:
             button = self._gui.add_button("", color="gray", hint="Show this method in a pane.")
         button.on_click(lambda _: self._show(self._rows[number].method, self._pane.value.split()[0]))
         self._buttons.append(button)
-
-    def _set_visible(self, running: bool) -> None:
-        if self._cancel.visible != running:
-            self._cancel.visible = running
 
 
 def label(row: Row) -> str:

@@ -117,7 +117,13 @@ def _stands(inside: Inside, dark: bool) -> tuple[str, str]:
         return _HEIGHT - 16 - (_HEIGHT - 22) * np.minimum(values / top, 1.0)
 
     shown = int(np.ceil(inside.share * len(chosen)))
-    dots = "".join(f"M{a:.1f} {b:.1f}h.01" for a, b in zip(x[:shown], y(seen[chosen[:shown]]), strict=True))
+    block_of = chosen // (histogram.n_bins // len(histogram.blocks))
+    places = np.stack([x, y(seen[chosen])], axis=1)
+    dots = "".join(
+        f'<path d="{"".join(f"M{a:.1f} {b:.1f}h.01" for a, b in places[:shown][block_of[:shown] == number])}" '
+        f'stroke="{palette.css(palette.block_color(block, number))}" stroke-width="3" stroke-linecap="round"/>'
+        for number, block in enumerate(histogram.blocks)
+    )
     line = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y(histogram.reference[chosen]), strict=True))
     names, wide = histogram.side_names, (_WIDTH - 8) / len(histogram.side_names)
     labels = "".join(
@@ -127,8 +133,7 @@ def _stands(inside: Inside, dark: bool) -> tuple[str, str]:
     return (
         f"All {histogram.n_bins} bins, as dots, against the <b>reference line</b>. In the right place they would lie "
         "on it.",
-        f'<path d="{dots}" stroke="{palette.css(palette.block_color(inside.question, 0))}" stroke-width="3" '
-        f'stroke-linecap="round"/><path d="{line}" fill="none" stroke="{palette.css(palette.ink(dark))}"/>{labels}',
+        f'{dots}<path d="{line}" fill="none" stroke="{palette.css(palette.ink(dark))}"/>{labels}',
     )
 
 

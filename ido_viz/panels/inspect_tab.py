@@ -20,6 +20,8 @@ from ido_viz.panels.markup import caption, method_span, signed, table_html
 NO_BIN = "choose one"
 """Stands first in the list of bins, so that the strongest one can be chosen, too."""
 
+_NO_SHARES = "The steps of this method are no sums over the bins of a histogram, of which each would have a share."
+
 Change = Callable[[dict[str, Any]], None]
 """Called with the fields of the state that a person changed."""
 
@@ -96,7 +98,7 @@ class InspectTab:
             if handle.value != getattr(state, name):
                 handle.value = getattr(state, name)
         if inspection is None:
-            content, bins = caption("This method has no histogram and no maps to look into."), ()
+            content, bins = caption(_NO_SHARES), ()
         else:
             content = bins_html(inspection, self._sort.value) + tables_html(inspection, state)  # below its sorting
             bins = tuple(bin_label(inspection, int(number)) for number in inspection.strongest)
@@ -118,16 +120,19 @@ def tables_html(inspection: Inspection, state: State) -> str:
     what = _WHAT.get(state.coloring, state.coloring)
     title = f"<b>{method_span(side.method, state.dark)}</b> next update, by blocks"
     blocks = [
-        (block.name, signed(total, 4), *(signed(value, 3) for value in of_block))
-        for block, total, of_block in zip(
+        (block.name, value, *(signed(value, 3) for value in of_block))
+        for block, value, of_block in zip(
             side.histogram.blocks,
-            inspection.values.reshape(len(side.histogram.blocks), -1).sum(axis=1),
+            (signed(of, 4) for of in inspection.values.reshape(len(side.histogram.blocks), -1).sum(axis=1)),
             shares.of_blocks.T,
             strict=True,
         )
     ]
-    total = ("all", signed(inspection.values.sum(), 4), *(signed(value, 3) for value in shares.update))
-    parts = [caption(title), table_html(("", what, *PARAMETERS), [*blocks, total])]
+    rows = [*blocks, ("all", signed(inspection.values.sum(), 4), *(signed(value, 3) for value in shares.update))]
+    head = ("", what, *PARAMETERS)
+    if what in PARAMETERS:  # it has a column already
+        head, rows = ("", *PARAMETERS), [(name, *values) for name, _, *values in rows]
+    parts = [caption(title), table_html(head, rows, marked=what if state.coloring != "height" else "")]
     if inspection.point is not None:
         parts += [caption(f"model point {inspection.point}"), point_table(inspection, what)]
         if inspection.scene_point is not None:

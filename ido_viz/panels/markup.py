@@ -36,16 +36,18 @@ def no_maps(side: MethodRun, dark: bool) -> str:
     return caption(f"<b>{method_span(side.method, dark)}</b> {why}")
 
 
-def table_html(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """A table with its first column to the left and numbers to the right."""
-    cells = "".join(_cell("th", i, c) for i, c in enumerate(head))
-    body = "".join("<tr>" + "".join(_cell("td", i, c) for i, c in enumerate(row)) + "</tr>" for row in rows)
+def table_html(head: tuple[str, ...], rows: list[tuple[str, ...]], marked: str = "") -> str:
+    """A table with its first column to the left and numbers to the right, the column of a name marked."""
+    marks = [bool(marked) and name == marked for name in head]
+    cells = "".join(_cell("th", i, c, marks[i]) for i, c in enumerate(head))
+    body = "".join("<tr>" + "".join(_cell("td", i, c, marks[i]) for i, c in enumerate(row)) + "</tr>" for row in rows)
     return (
         '<table style="width:calc(100% - 16px);margin:2px 8px 6px 8px;font-size:0.64rem;line-height:1.4;'
         f'font-variant-numeric:tabular-nums;border-collapse:collapse"><tr>{cells}</tr>{body}</table>'
     )
 
 
-def _cell(kind: str, column: int, content: str) -> str:
-    align = "right;padding-left:0.4em" if column else "left"
-    return f'<{kind} style="text-align:{align}">{html.escape(content)}</{kind}>'
+def _cell(kind: str, column: int, content: str, marked: bool) -> str:
+    look = "text-align:" + ("right;padding-left:0.4em" if column else "left")
+    look += f";background:{palette.css(palette.MARK, 0.35)}" if marked else ""
+    return f'<{kind} style="{look}">{html.escape(content)}</{kind}>'

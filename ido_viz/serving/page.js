@@ -122,6 +122,14 @@
   addEventListener("keydown", ({ key }) => /^\d$/.test(key) || (point = null), true);
   addEventListener("focusout", () => (point = null), true);
 
+  // What plays would write over a number that a person types there; so it pauses first.
+  const pauses = ({ target, type, key }) => {
+    if (!isNumber(target) || (type === "keydown" && !/^\d$/.test(key))) return;
+    if (!document.getElementById(uuidOf("Iteration"))?.parentElement.contains(target)) return;
+    [...document.querySelectorAll("button")].find((each) => each.textContent.trim() === "Pause (P)")?.click();
+  };
+  for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, pauses, true);
+
   // Escape closes a window that stands over the page, by its button.
   addEventListener("keydown", (event) => {
     if (event.key !== "Escape") return;

@@ -29,6 +29,7 @@ _AWAY = {
 
 _GAP = 0.04  # from the arrow's head to what it points at, or to its ball
 _HIGH = 0.5  # above it, a word is below what it points at, clear of the pane's title; model units
+_WIDE = 0.75  # further from the middle of its pane, a word would reach into the other pane; model units
 _REACH = 1.1  # of the axis, below the title of a pane
 _AXIS_LABELS = {"up": "up: the z axis", "round": "further round"}
 _BALLS = {"model point": 0.06, "scene point": 0.05, "answer": 0.05}
@@ -89,8 +90,11 @@ def _path(frame: Frame, tip: DoubleArray, mark: Mark) -> DoubleArray:
     if mark == "round":
         return _arc()
     turn, away = upright(frame.run.subject.up), np.array(_AWAY[mark])
-    if mark != "scene" and turn.apply(tip)[2] > _HIGH:
+    seen = turn.apply(tip)
+    if mark != "scene" and seen[2] > _HIGH:
         away[2] = -abs(away[2])
+    if abs(seen[0] + away[0]) > _WIDE:
+        away[0] = -away[0]
     away = turn.inv().apply(away)
     return np.stack([tip + away, tip + (_GAP + _BALLS.get(mark, 0.0)) * away / np.linalg.norm(away)])
 

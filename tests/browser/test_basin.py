@@ -33,7 +33,7 @@ def test_a_click_begins_there(open_explorer: OpenExplorer):
     shown = explorer.page.locator("svg.basin").first
     explorer.wait_until("a first dot", lambda: "of 0" not in (shown.get_attribute("aria-label") or "of 0"))
     explorer.press("Cancel")
-    explorer.page.get_by_role("button", name="Cancel", exact=True).wait_for(state="hidden")
+    explorer.wait_until("the end of it", explorer.page.get_by_role("button", name="Cancel", exact=True).is_disabled)
     shown.locator(f"[data-start='{NUMBER}']").click()
     there = start_of(STATE, shipped_library().subject("bunny").up, NUMBER)
     explorer.wait_until("the start", lambda: explorer.state().start == there)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
+from any_explorer import AT_THE_START, SETTLING
 from explorer import Explorer, OpenExplorer
 
 from ido_viz.core.state import State
@@ -37,6 +40,18 @@ def test_scrubbing_shows_the_iteration_under_the_mouse(at_the_start: Explorer):
     assert explorer.slider_value("Iteration") == value
     explorer.drag("Iteration", 1.2)
     explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
+
+
+def test_what_plays_pauses_where_an_iteration_is_typed(open_explorer: OpenExplorer):
+    explorer = open_explorer(replace(AT_THE_START, playing=True, speed=20))
+    explorer.wait_until("some iterations", lambda: explorer.iteration() > 3)
+    field = explorer.field("Iteration")
+    field.click(click_count=3)
+    field.press_sequentially("17", delay=150)
+    explorer.wait_until("what was typed", lambda: explorer.iteration() == 17)
+    explorer.pause(SETTLING)
+    assert field.input_value() == "17"
+    assert explorer.expect_to_agree().iteration == 17
 
 
 def test_keys_step_and_restart_but_not_while_writing(at_the_start: Explorer):

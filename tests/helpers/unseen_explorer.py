@@ -125,8 +125,8 @@ class UnseenExplorer(AnyExplorer):
         return len(self._tab.seen("kind", "GuiUplotMessage"))
 
     def buttons(self) -> list[str]:
-        """The labels of the buttons, from top to bottom."""
-        shown = [props for props in self._tab.all_seen() if props["kind"] == "GuiButtonMessage"]
+        """The labels of the buttons that can be pressed, from top to bottom."""
+        shown = [props for props in self._tab.seen("kind", "GuiButtonMessage") if not props.get("disabled")]
         return [props["label"] for props in sorted(shown, key=lambda props: props["order"])]
 
     # What can be done

@@ -23,10 +23,10 @@ from ido import (
 from ido.global_registration import GlobalSettings
 from ido.global_registration.climbing import climb
 from ido.global_registration.cut_plane import Posterior
-from ido.global_registration.evidence import moved_by
 from ido.global_registration.fields import Field
 from ido.global_registration.outliers import Background
 from ido.global_registration.search import spread_rotations
+from ido.global_registration.spread import moved_by
 from ido.methods import shipped_global_model
 from ido.types import DoubleArray, FloatArray
 

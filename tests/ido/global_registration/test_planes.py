@@ -50,6 +50,18 @@ def test_the_likeliest_plane_is_that_of_the_formula(model: GlobalModel):
     assert offset == planes.offsets[direction, number]
 
 
+def test_what_a_plane_gains_is_that_of_the_formula(model: GlobalModel):
+    rng = np.random.default_rng(4)
+    planes, moved = model.few_planes, rng.uniform(-1, 1, (5, 60, 3)).astype(np.float32)
+    odds = np.exp(rng.normal(1, 2, (5, 60))) * (moved[..., 0] < [[0.1], [0.5], [9], [-0.5], [-9]])
+    along = moved.astype(np.float64) @ planes.directions.T
+    kept_side = along[..., None] < planes.offsets
+    values = np.log(1 + odds[..., None, None] * kept_side / planes.kept).sum(axis=1)
+    expected = np.maximum(values.max(axis=(1, 2)) - np.log(1 + odds).sum(axis=1), 0)
+    assert (expected > 1).sum() >= 2 and expected[-1] == 0
+    np.testing.assert_allclose(planes.gains(moved, odds), expected, atol=0.06)  # of points that say next to nothing
+
+
 def test_a_whole_scene_has_no_plane(model: GlobalModel):
     on_it = model.planes.sample[::3]
     assert model.planes.likeliest(on_it, np.full(len(on_it), 50.0)) is NO_PLANE

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import viser
 
+from ido.types import DoubleArray
 from ido_viz.canvas.camera import Camera
 from ido_viz.canvas.pane import PANE_OFFSETS
 from ido_viz.core.state import NO_CAMERA, State
@@ -28,8 +29,9 @@ class Window:
         self.position, self.look_at = np.array([3.0, 3.0, 3.0]), np.zeros(3)
         self.update_timestamp = 1.0
         self.told: list[tuple[float, ...]] = []
+        self.turned: list[DoubleArray] = []
         self._update: Callable[[Any], None] = print
-        self.camera = Camera(cast(viser.CameraHandle, self), self.told.append)
+        self.camera = Camera(cast(viser.CameraHandle, self), self.told.append, self.turned.append)
 
     def on_update(self, update: Callable[[Any], None]) -> None:
         self._update = update
@@ -181,3 +183,27 @@ def test_back_at_the_first_view_a_page_has_no_view_of_its_own():
     window.orbit(*first)
     assert window.told[0] != NO_CAMERA
     assert window.told[1:] == [NO_CAMERA]
+
+
+@pytest.mark.parametrize("way", [(2.0, 0.0, 1.0), (0.0, 4.0, -3.0), (-3.0, -2.0, 0.1)])
+def test_what_lies_to_the_right_of_another_view_is_told_once(way: tuple[float, float, float]):
+    window = opened(1.5)
+    assert window.turned == []  # the first view has the panes where they are
+    window.orbit(*(np.array(way) + window.look_at))
+    window.tell()
+    (right,) = window.turned
+    forward = window.look_at - window.position
+    across = np.cross(forward, [0.0, 0.0, 1.0])
+    np.testing.assert_allclose(right, across / np.linalg.norm(across), atol=1e-12)
+
+
+def test_straight_from_above_nothing_lies_elsewhere():
+    window = opened(1.5)
+    window.orbit(*(window.look_at + np.array([0.001, 0.001, 5.0])))
+    assert window.turned == []
+
+
+def test_a_shared_view_is_told_before_the_page_is_there():
+    window = Window(1.5)
+    window.camera.begin((1.0, 0.0, 0.2, 0.0, 0.0, 0.0))
+    np.testing.assert_allclose(window.turned, [[0.0, 1.0, 0.0]], atol=1e-12)

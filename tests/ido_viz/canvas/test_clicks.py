@@ -14,6 +14,7 @@ from ido_viz.core.run import compute
 from ido_viz.core.state import State
 
 BEGIN = State(perturbation=Perturbation(points=100), max_iterations=1, playing=False)
+PLACES = np.array([[x, 0.0, 0.0] for x in PANE_OFFSETS])
 EYE = 6.0 * VIEW_DIRECTION / np.linalg.norm(VIEW_DIRECTION)
 
 
@@ -22,7 +23,7 @@ EYE = 6.0 * VIEW_DIRECTION / np.linalg.norm(VIEW_DIRECTION)
 def test_a_click_on_what_is_seen_of_a_model_picks_a_point_of_it_nearby(shape: str, pane: str):
     library = shipped_library()
     run = compute(library.at_shape(BEGIN, shape), library)
-    place = np.array([PANE_OFFSETS[pane == "right"], 0.0, 0.0])
+    place = PLACES[int(pane == "right")]
     turn = upright(run.subject.up)
     cloud = turn.apply(run.subject.cloud().points) + place
     model = turn.apply(run.sides[0].histogram.model.points) + place
@@ -33,7 +34,7 @@ def test_a_click_on_what_is_seen_of_a_model_picks_a_point_of_it_nearby(shape: st
         beside = np.linalg.norm(cloud - EYE - along[:, None] * ray, axis=1)
         if ((beside < 0.02) & (along < (point - EYE) @ ray - 0.1)).any():
             continue  # something stands before it
-        found = point_at(run, EYE, ray)
+        found = point_at(run, EYE, ray, PLACES)
         picked.append(found is not None and found[0] == pane)
         if found is not None:
             near.append(np.linalg.norm(model[found[1]] - point) < 0.2)
@@ -44,4 +45,4 @@ def test_a_click_on_what_is_seen_of_a_model_picks_a_point_of_it_nearby(shape: st
 
 def test_a_click_beside_both_models_picks_nothing():
     run = compute(BEGIN, shipped_library())
-    assert point_at(run, EYE, np.array([0.0, 0.0, 2.0]) - EYE) is None
+    assert point_at(run, EYE, np.array([0.0, 0.0, 2.0]) - EYE, PLACES) is None

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ido import Perturbation
+from ido_viz.core import palette
 from ido_viz.core.address import shared
 from ido_viz.core.frame import Frame, frame_of
 from ido_viz.core.inside import STEP, inside_of, strongest_point
@@ -116,6 +117,16 @@ def test_every_beat_has_a_sentence_and_a_picture_of_finite_numbers(run: Run, pos
     assert f"<b>{inside.inspection.side.method}:</b>" in content
     assert "nan" not in content and "inf" not in content
     assert len(content) < 30_000
+
+
+def test_all_bins_have_the_colours_of_their_blocks(run: Run):
+    inside = at(run, 2.99).inside
+    assert inside is not None
+    content = inside_html(inside, False)
+    blocks = inside.inspection.side.histogram.blocks
+    assert len(blocks) == 3
+    for number, block in enumerate(blocks):
+        assert f'stroke="{palette.css(palette.block_color(block, number))}" stroke-width="3"' in content
 
 
 def test_the_six_bars_add_up_to_the_update(run: Run):

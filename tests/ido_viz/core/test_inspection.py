@@ -100,6 +100,27 @@ def test_the_tables_hold_the_bins_and_the_strongest_are_the_largest(run: Run) ->
     assert bin_label(whole, 100).startswith("100 front ")
 
 
+def columns(table: str) -> tuple[list[str], set[str]]:
+    """The heads of the first table, and which columns are marked in every row of it."""
+    table = table[: table.index("</table>")]
+    heads = re.findall(r"<th style=\"([^\"]*)\">([^<]*)</th>", table)
+    rows = [re.findall(r"<td style=\"([^\"]*)\">", row) for row in re.findall(r"<tr>(.*?)</tr>", table)][1:]
+    marked = {name for i, (_, name) in enumerate(heads) if all("background" in row[i] for row in rows)}
+    assert marked == {name for style, name in heads if "background" in style}
+    return [name for _, name in heads], marked
+
+
+def test_the_table_marks_what_the_model_s_colours_show_and_has_it_once(run: Run) -> None:
+    for coloring, extra, marked in (
+        ("φz", [], {"φz"}),
+        ("whole update", ["along it"], {"along it"}),
+        ("height", ["along it"], set()),
+    ):
+        state = replace(STATE, coloring=coloring)
+        content = tables_html(looked_into(run, state, 2), state)
+        assert columns(content) == (["", *extra, *poses.PARAMETERS], marked)
+
+
 def test_what_is_looked_into_is_in_the_code() -> None:
     state = replace(STATE, question="up / down", against_reference=True, inspected_pane="left", coloring="φz")
     assert decode(encode(state)) == state

@@ -71,6 +71,14 @@ def test_a_word_at_the_top_stands_below_what_it_names():
     assert turn.apply(tail.path[0])[2] > turn.apply(tail.tip)[2]
 
 
+@pytest.mark.parametrize("step", ["in-front", "behind", "nothing-from-the-ears"])
+def test_a_word_stays_in_its_pane(step: str):
+    shown = frame(page_of(f"histogram/{step}"))
+    turn = upright(shown.run.subject.up)
+    for each in pointers(shown, ("model point", "scene point")):
+        assert abs(turn.apply(each.path[0])[0]) < 0.8
+
+
 def test_what_is_not_there_is_not_pointed_at():
     nothing = with_values(PAIR, {"inspected": NO_POINT, "scene_point": NO_POINT})
     assert pointers(frame(nothing), ("model point", "scene point", "outliers")) == ()
