@@ -21,6 +21,7 @@ _LIFT = 0.12  # of the height that is seen
 _SETTLING = 0.03  # seconds after which what is read of a camera belongs together
 _SAME = 0.01  # places that differ less are one
 _SAME_SIDE = 0.002  # and directions to the right
+_ASIDE = 0.001  # model units: seen by nobody
 _STEEP = 0.02  # of the way to a camera: with less of it beside the vertical, it looks straight down
 
 
@@ -120,8 +121,13 @@ class Camera:
         distance, middle = self._fit()
         place = np.array(self._placed or _FITTED)
         self._awaited_until = time.perf_counter() + _PATIENCE
-        self._camera.position = middle + place[3:] + distance * place[:3]
-        self._camera.look_at = middle + place[3:]
+        look_at = middle + place[3:]
+        for aside in (
+            _ASIDE,
+            0.0,
+        ):  # viser sends no place that the page has told of, though another is on its way there
+            self._camera.position = look_at + distance * place[:3] + aside
+            self._camera.look_at = look_at + aside
         self._sent = self._camera.update_timestamp
         self._turn()
 

@@ -7,6 +7,7 @@ import viser
 
 from ido import Model, Question
 from ido.types import FloatArray
+from ido_viz.canvas.ball import add_ball
 from ido_viz.core import palette
 from ido_viz.core.palette import Color
 
@@ -27,7 +28,7 @@ class Diagram:
         color: Color,
         partner: FloatArray | None,
         *,
-        named: bool = False,
+        named_above: FloatArray | None = None,
     ) -> None:
         """Draw the diagram of a model point and one of its questions; nothing for no point.
 
@@ -37,15 +38,16 @@ class Diagram:
             question: one of its questions; the point alone for None.
             color: of the question.
             partner: the one scene point that it is asked about, in the model's frame, shape (3,).
-            named: whether the point's number stands above it.
+            named_above: the direction in which the point's number stands above it, shape (3,); None for no number.
         """
-        look = (model, point, question, color, None if partner is None else partner.tobytes(), named)
+        places = [None if place is None else place.tobytes() for place in (partner, named_above)]
+        look = (model, point, question, color, *places)
         if look == self._shown:
             return
         self._shown = None  # should it fail
         self._scene.remove_by_name(self._root)
         if point is not None:
-            self._make(model, point, question, color, partner, named=named)
+            self._make(model, point, question, color, partner, named_above)
         self._shown = look
 
     def _make(
@@ -55,22 +57,21 @@ class Diagram:
         question: Question | None,
         color: Color,
         partner: FloatArray | None,
-        *,
-        named: bool,
+        named_above: FloatArray | None,
     ) -> None:
         m, n = model.points[point].astype(np.float64), model.normals[point].astype(np.float64)
         self._scene.add_frame(self._root, show_axes=False)
-        self._scene.add_icosphere(f"{self._root}/point", radius=0.045, color=palette.MARK, position=m)
-        if named:
+        add_ball(self._scene, f"{self._root}/point", m, 0.06, palette.MARK, palette.RIM)
+        if named_above is not None:
             words = f"model point {point}"
-            self._scene.add_label(f"{self._root}/name", words, position=m, anchor="bottom-left")
+            self._scene.add_label(f"{self._root}/name", words, position=m + 0.1 * named_above, anchor="bottom-center")
         if question is not None:
             surface = question.surface(m, n)
             self._mesh(surface.vertices, surface.faces, color)
             self._lines("lines", surface.lines, color)
             self._lines("guides", surface.guides, palette.GUIDE)
         if partner is not None:
-            self._scene.add_icosphere(f"{self._root}/partner", radius=0.035, color=palette.MARK, position=partner)
+            add_ball(self._scene, f"{self._root}/partner", partner, 0.04, palette.MARK, palette.RIM)
             self._lines("pair", np.array([[m, partner]]), palette.MARK)
 
     def _mesh(self, vertices: FloatArray, faces: np.ndarray, color: Color) -> None:

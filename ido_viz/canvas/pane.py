@@ -199,8 +199,8 @@ class PaneView:
             point, other = frame.picked, frame.picked_scene_point
             if other is not None:
                 (partner,) = poses.transform(side.T_model_scene, frame.run.scene.points[[other]])
-        named = inside is not None and point is not None
-        self._diagram.draw(side.run.histogram.model, point, question, color, partner, named=named)
+        up = None if inside is None else np.array(frame.run.subject.up)
+        self._diagram.draw(side.run.histogram.model, point, question, color, partner, named_above=up)
         answers = None if inspection is None else inspection.answers
         if inside is not None and inside.asks:
             answers = inside.asked

@@ -26,6 +26,9 @@ _SPARE: tuple[Color, ...] = ((230, 159, 0), (86, 180, 233), (204, 121, 167), (17
 MARK: Color = (240, 228, 66)
 """What a person has picked: yellow."""
 
+RIM: Color = (30, 30, 30)
+"""Around what is picked: black, nearly."""
+
 OUTLIER: Color = (163, 163, 120)
 GHOST: Color = (0, 158, 115)
 ARRIVED: Color = (0, 138, 102)

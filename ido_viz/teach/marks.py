@@ -10,6 +10,7 @@ import viser
 
 from ido.poses import transform
 from ido.types import DoubleArray
+from ido_viz.canvas.ball import add_ball
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.geometry import upright
@@ -145,7 +146,7 @@ class Marks:
             path = each.path.astype(np.float32)
             self._scene.add_frame(name, show_axes=False)
             if each.ball:
-                self._scene.add_icosphere(f"{name}/ball", radius=each.ball, color=each.color, position=each.tip)
+                add_ball(self._scene, f"{name}/ball", each.tip, each.ball, each.color, palette.RIM)
             self._scene.add_line_segments(
                 f"{name}/shaft",
                 np.stack([path[:-1], path[1:]], axis=1),

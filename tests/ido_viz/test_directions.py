@@ -17,7 +17,7 @@ MAY_IMPORT = {
     "canvas": {"core"},
     "panels": {"core"},
     "files": {"core", "canvas"},
-    "teach": {"core", "panels"},
+    "teach": {"core", "canvas", "panels"},
     "serving": set[str](),
     "own": {"core", "panels", "serving"},
     "page": {"core", "canvas", "panels", "files", "teach", "own"},

@@ -30,7 +30,7 @@ def hard(bunny: Cloud, model: GlobalModel) -> list[tuple[Scene, Posterior, Refin
         share = float((~scene.is_outlier).mean())
         background = Background.of(scene.points, GlobalSettings(ball=False))
         posterior = Posterior(scene.points, background, model.fields[-1], model.planes, np.array([share, 0.0]))
-        found.append((scene, posterior, refine(posterior, scene.T_model_scene, cut=True)))
+        found.append((scene, posterior, refine(posterior, scene.T_model_scene.astype(np.float64), cut=True)))
     return found
 
 
@@ -83,7 +83,7 @@ def test_the_truth_is_as_far_away_as_the_covariance_says(hard: list[tuple[Scene,
     distances = []
     for scene, posterior, top in hard:
         spread = Spread.of(posterior, top)
-        away = motion(scene.T_model_scene, spread.T)
+        away = motion(scene.T_model_scene.astype(np.float64), spread.T)
         distances.append(away @ np.linalg.solve(spread.covariance, away))
     assert 3 < np.median(distances) < 9  # 5.3 of six numbers that are Gaussian
 

@@ -26,12 +26,23 @@ class Window:
 
     def __init__(self, aspect: float) -> None:
         self.aspect, self.fov = aspect, 0.87
-        self.position, self.look_at = np.array([3.0, 3.0, 3.0]), np.zeros(3)
+        self._position, self.look_at = np.array([3.0, 3.0, 3.0]), np.zeros(3)
+        self.sent: list[DoubleArray] = []
         self.update_timestamp = 1.0
         self.told: list[tuple[float, ...]] = []
         self.turned: list[DoubleArray] = []
         self._update: Callable[[Any], None] = print
         self.camera = Camera(cast(viser.CameraHandle, self), self.told.append, self.turned.append)
+
+    @property
+    def position(self) -> DoubleArray:
+        return self._position
+
+    @position.setter
+    def position(self, position: DoubleArray) -> None:
+        if not np.allclose(position, self._position):  # as viser does it
+            self._position = position
+            self.sent.append(position)
 
     def on_update(self, update: Callable[[Any], None]) -> None:
         self._update = update
@@ -149,6 +160,20 @@ def test_frames_that_a_person_has_overtaken_do_not_turn_the_view_back():
         window.camera.begin(NO_CAMERA)
     np.testing.assert_array_equal(window.position, [1.9, -4.0, 1.0])
     assert len(window.told) == 4
+
+
+def test_a_place_that_the_page_left_is_sent_again_though_it_told_of_it_just_now():
+    window = opened(0.8)
+    narrow = window.position
+    window.aspect = 1.3
+    window.tell()
+    wide = window.position
+    assert not np.allclose(wide, narrow)
+    window.aspect = 0.8
+    window._position = narrow  # told before the other place came there
+    window.tell()
+    np.testing.assert_allclose(window.sent[-1], narrow)
+    assert len(window.sent) > 1 and not np.array_equal(window.sent[-2], window.sent[-1])
 
 
 def test_a_shown_place_is_looked_from_and_the_view_goes_back():

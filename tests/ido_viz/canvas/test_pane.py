@@ -51,7 +51,7 @@ def test_the_picked_point_lights_up_in_both_panes_and_its_question_in_one(run: R
         for pane in panes:
             pane.draw(frame)
             np.testing.assert_allclose(diagram(pane)["point"].position, point, atol=1e-6)
-        assert set(diagram(left)) == {"point"} < set(diagram(right))
+        assert set(diagram(left)) == {"point", "point/rim"} < set(diagram(right))
 
 
 def test_the_picked_scene_point_lights_up_where_each_method_has_put_it(run: Run, panes: tuple[PaneView, PaneView]):
