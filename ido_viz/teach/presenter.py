@@ -24,8 +24,10 @@ WATCH = "Watch…"
 _GAP = 12  # from the canvas's edges, pixels
 _STYLE = """<style>
 .lesson{margin:0.4rem 0.75rem 0.7rem;font-size:0.75rem;opacity:0.75}
-[data-dock-group]:has(.lesson) p{font-size:1.0625rem;line-height:1.4}
+[data-dock-group]:has(.lesson) p[data-size]{font-size:1.0625rem;line-height:1.4;min-height:4.2em}
 </style>"""
+_NO_CONTROL = '<div style="height:1.875rem"></div>'
+"""As high as a control, so that the panel stays as it is from step to step; the text has room for three lines."""
 
 Buttons = Mapping[str, Callable[[], None]]
 """What buttons do, by the words on them."""
@@ -110,6 +112,8 @@ class Presenter:
                     button.on_click(lambda _, act=act: act())
             if step is not None and step.control is not None and not choices:
                 self._control = ControlView(self._gui, step.control, state, self._actions)
+            elif not place.asking and not choices:
+                self._gui.add_html(_NO_CONTROL)
 
     def tell(self) -> bool:
         """Say the answer that waits for the page to have played; whether there was one."""
