@@ -27,7 +27,8 @@ MOST_HISTOGRAMS = 200
 
 _ABOUT = """\
 A recorded run of IDO Explorer; in Python, ido.load_run(path) reads it. n updates, S scene points, M model points.
-points (S, 3), is_outlier (S,), true_pose (4, 4): the scene and the pose that moves it onto the model, model units.
+points (S, 3), is_outlier (S,), true_pose (4, 4): the scene and the pose that moves it onto the model, model units;
+the header's `perturbation` made it, and its `moved` (6,), if there is any, is how a hand moved it after that
 method0_, method1_, ...: the methods in the order of the header's `methods`; of each
   x (n + 1, 6): exponential coordinates [rho, phi] of all poses; T_model_scene (n + 1, 4, 4): the same as matrices
   update_norms (n,): size of each update; last_norm: of the one too small to be made, NaN where none was computed
@@ -123,6 +124,7 @@ class RecordedRun:
         perturbation: made the scene.
         scene: S points, which of them are outliers, and the true pose.
         methods: in the order of the panes; two panes may show the same method.
+        moved: how the scene was moved by hand after that, exponential coordinates (6 numbers); empty for not at all.
         code: of the page that it was saved from, for `ido-viz --state`; empty where there was none.
         version: of the library that recorded it.
 
@@ -134,6 +136,7 @@ class RecordedRun:
     perturbation: Perturbation
     scene: Scene
     methods: tuple[RecordedMethod, ...]
+    moved: tuple[float, ...] = ()
     code: str = ""
     version: str = field(default_factory=lambda: importlib.metadata.version("ido-explorer"))
 
@@ -142,6 +145,8 @@ class RecordedRun:
         _check("points", self.scene.points, (n_points, 3))
         _check("is_outlier", self.scene.is_outlier, (n_points,), kind="b")
         _check("true_pose", self.scene.T_model_scene, (4, 4))
+        if self.moved:
+            _check("moved", np.array(self.moved, dtype=np.float64), (6,))
 
     def save(self, file: str | Path | BinaryIO) -> None:
         """Write one compressed .npz to a path or to an open binary file.
@@ -153,6 +158,7 @@ class RecordedRun:
             "about": _ABOUT,
             "shape": self.shape,
             "perturbation": asdict(self.perturbation),
+            "moved": self.moved,
             "code": self.code,
             "version": self.version,
             "methods": [_method_header(method) for method in self.methods],
@@ -208,6 +214,7 @@ def _run_of(arrays: Mapping[str, np.ndarray]) -> RecordedRun:
         perturbation=Perturbation(**header["perturbation"]),
         scene=Scene(arrays["points"], arrays["is_outlier"], arrays["true_pose"]),
         methods=tuple(_method_of(i, entry, arrays) for i, entry in enumerate(header["methods"])),
+        moved=tuple(map(float, header.get("moved", ()))),  # files of before have none
         code=str(header["code"]),
         version=str(header["version"]),
     )

@@ -74,6 +74,7 @@ def recorded(run: Run, state: State) -> RecordedRun:
             RecordedMethod.of(side.method, side.settings, side.trajectory, run.scene, side.histogram)
             for side in run.sides
         ),
+        moved=state.start,
         code=encode(state),
     )
 

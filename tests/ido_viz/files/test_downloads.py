@@ -29,7 +29,7 @@ import zstandard
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from ido import Perturbation, poses
+from ido import Perturbation, perturb, poses
 from ido.methods import BASELINES
 from ido.recording import load_run
 from ido_viz.core.background import Report
@@ -92,6 +92,16 @@ def test_the_downloaded_run_equals_the_run_shown(run: Run, state: State, tmp_pat
         np.testing.assert_array_equal(method.histogram_iterations, np.arange(side.trajectory.iterations + 1))
         for k, histogram in enumerate(method.histograms):
             np.testing.assert_array_equal(histogram, run.histogram(number, k))
+
+
+def test_a_scene_that_was_moved_by_hand_is_made_again_of_what_is_recorded(tmp_path: Path):
+    state = State(perturbation=SMALL, max_iterations=2, start=(0.1, -0.2, 0.3, 0.5, 0.0, -0.4))
+    run = compute(state, LIBRARY)
+    (tmp_path / "run.npz").write_bytes(run_npz(frame_of(run, state)))
+    loaded = load_run(tmp_path / "run.npz")
+    again = perturb(run.subject.cloud(), loaded.perturbation).moved(poses.exp(np.array(loaded.moved)))
+    np.testing.assert_array_equal(again.points, loaded.scene.points)
+    np.testing.assert_array_equal(again.T_model_scene, loaded.scene.T_model_scene)
 
 
 def test_the_settings_of_every_baseline_can_be_recorded(run: Run):
