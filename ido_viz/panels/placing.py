@@ -67,7 +67,8 @@ class Placing:
                 continue
             if above is None:  # a panel that was hidden has lost its place
                 panel.dock_right()
-                panel.set_width(round(CHARTS_WIDTH * wider))
             else:
                 panel.dock_below(above)
             above = panel
+        if above is not None:
+            above.set_width(round(CHARTS_WIDTH * wider))

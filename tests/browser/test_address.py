@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 import zxingcpp
 from any_explorer import AT_THE_END
-from explorer import Explorer, OpenExplorer
+from explorer import Explorer, OpenExplorer, box_of
 from PIL import Image
 
 from ido import Perturbation
@@ -153,6 +153,7 @@ def test_a_server_that_is_started_anew_finds_the_page_as_it_was(open_explorer: O
         explorer.wait_until("its address", lambda: explorer.state() == state_of(explorer))
         before = explorer.expect_to_agree()
         assert before.perturbation.rotation == value
+        place = box_of(explorer.canvas())
         app.stop()
         banner.wait_for()
         app = App(port=port)
@@ -160,6 +161,7 @@ def test_a_server_that_is_started_anew_finds_the_page_as_it_was(open_explorer: O
         explorer.wait_ready()
         explorer.expect_numbers(before)
         assert explorer.expect_to_agree() == before == state_of(explorer)
+        assert box_of(explorer.canvas()) == place
         explorer.expect_alive()
     finally:
         app.stop()
