@@ -71,7 +71,7 @@ class Student:
 
     @property
     def offered(self) -> list[Any]:
-        return list(self.presenter._slot._children.values())
+        return [each for each in self.presenter._slot._children.values() if not isinstance(each, viser.GuiHtmlHandle)]
 
     def guess(self, answer: str) -> None:
         (group,) = self.offered
