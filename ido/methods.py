@@ -72,7 +72,7 @@ PEERS: dict[str, Peer] = {
 """What people use today instead, by name: as its library has it, and with settings that `ido experiment tune` chose."""
 
 POLISHED = ", polished"
-"""Ends the name of any method whose pose is brought to the top of the likelihood near it."""
+"""Ends the name of any method whose last pose `ido.polish` has made better."""
 
 
 class Registers(Protocol):
@@ -141,7 +141,7 @@ class Method:
         return cls(name, settings, registration.register, model, maps, histogram, registration)
 
     def polished(self, model: GlobalModel) -> Method:
-        """The same method, whose last pose is brought to the top of the likelihood near it."""
+        """The same method, whose last pose `ido.polish` makes better."""
 
         def run(points: FloatArray, *, watch: Watch | None = None) -> Trajectory:
             track = self.register(points, watch=watch)

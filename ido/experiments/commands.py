@@ -75,7 +75,7 @@ def run_command(
         sweeps: Which perturbations to vary, or which scenes beyond. Default: all of the experiment.
         levels: Only these levels of the sweeps, where a sweep has them. Default: all.
         scenes: Scenes at each level, at most 100. Fewer are the first of more.
-        polish: Also run each method with its last pose brought to the top of the likelihood near it.
+        polish: Also run each method with its last pose made better by the end of the global method (`ido.polish`).
         workers: Processes on this machine. Default: one for each core.
         dask: Work on the Dask cluster with this scheduler (tcp://HOST:PORT), whose workers have this program, too.
     """

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +9,7 @@ import numpy as np
 from ido.compiling import compiled
 from ido.global_registration.fields import REACH, Field
 from ido.global_registration.outliers import Background
+from ido.global_registration.parts import in_parts
 from ido.types import DoubleArray, FloatArray
 
 _OVER = 1.5  # steps are made longer by this factor
@@ -58,13 +57,7 @@ def climb(points: FloatArray, background: Background, field: Field, T: DoubleArr
             log_likelihood[begin:end],
         )
 
-    n_threads = min(os.cpu_count() or 1, len(T))
-    edges = np.linspace(0, len(T), n_threads + 1).astype(int)
-    if n_threads > 1:
-        with ThreadPoolExecutor(n_threads) as pool:
-            list(pool.map(part, edges[:-1], edges[1:]))
-    else:
-        part(0, len(T))
+    in_parts(len(T), part)
     return Climb(field.sigma, track, shares, log_likelihood / len(points))
 
 

@@ -42,6 +42,11 @@ class Refined:
     shares: DoubleArray
     log_likelihood: float
 
+    @property
+    def has_plane(self) -> bool:
+        """Whether the plane lies anywhere near the model."""
+        return self.offset < NO_PLANE[1] / 2
+
 
 def refine(posterior: Posterior, T: DoubleArray, *, cut: bool) -> Refined:
     """Climb to the top from a pose near it, by quasi-Newton steps (BFGS) on pose and plane.
@@ -86,6 +91,11 @@ class Posterior:
     field: Field
     planes: Planes
     shares: DoubleArray
+
+    @property
+    def n_different(self) -> int:
+        """How many points there are; repeated ones say nothing new, and count once."""
+        return len(np.unique(self.points, axis=0))
 
     @property
     def model(self) -> FloatArray:

@@ -62,7 +62,7 @@ class Evidence:
             covariance: of the pose, shape (6, 6).
         """
         points, model = posterior.points, posterior.model
-        n = len(np.unique(points, axis=0))  # what is repeated says nothing new
+        n = posterior.n_different
         margins = [n * (best.log_likelihood - other.log_likelihood) for other in others]
         moved = transform(best.T, points)
         density = posterior.field(moved).astype(np.float64)

@@ -17,7 +17,7 @@ from ido.global_registration.model import GlobalModel
 from ido.global_registration.outliers import Background
 from ido.global_registration.planes import NO_PLANE
 from ido.global_registration.settings import GlobalSettings
-from ido.global_registration.spread import Spread, covariance_at, moved_by
+from ido.global_registration.spread import Spread, moved_by, newton_step
 from ido.histograms import finite
 from ido.registration import Trajectory, Watch
 from ido.types import DoubleArray, FloatArray, IntArray
@@ -32,9 +32,10 @@ MOST_POINTS = 20_000
 """Of a larger scene a random subset of so many is searched with, always the same one."""
 
 _FIRST = ((-1, 5, 200, 160), (-2, 8, 256, 64), (-2, 8, 384, 7))  # field, steps, points, and how many starts go on
-_LAST_FEW = 20  # fewer starts than that go on to the end, and no two alike
+_LAST_FEW = 20  # where fewer starts than that go on, no two of them are alike
 _LAST_STEPS, _LAST_POINTS = 10, 1200
 _REFINED = 4
+_SHORTENED = 4  # times that a step is tried before there is none
 _TURNS, _CLOSE = 2, 0.05  # plane and pose by turns, of those that are so near to the best (log-likelihood per point)
 _ALIKE = (10.0, 0.12)  # poses nearer to each other than so many degrees and model units are one
 
@@ -110,7 +111,8 @@ class GlobalRegistration:
         candidates = self._refined(centred, few, branches)
         first = candidates[0]
         spread = Spread.of(first.posterior, first.refined)
-        T = spread.T if len(whole) <= _LAST_POINTS else self._with_all(first, whole - middle)
+        motion = spread.motion if len(whole) <= _LAST_POINTS else self._of_all(first, spread, whole - middle)
+        T = moved_by(motion, first.refined.T)
         return GlobalResult(centring, tuple(branches), candidates, spread.covariance, T, len(points))
 
     def _climbed(self, points: FloatArray, background: Background, T: DoubleArray, order: IntArray) -> Iterator[Stage]:
@@ -144,17 +146,24 @@ class GlobalRegistration:
     def _ball_free(self) -> GlobalSettings:
         return replace(self.settings, ball=False)
 
-    def _with_all(self, best: Candidate, points: FloatArray) -> DoubleArray:
-        """The chosen pose moved by a Newton step on the likelihood of all points (S, 3), centred.
+    def _of_all(self, best: Candidate, spread: Spread, points: FloatArray) -> DoubleArray:
+        """The motion from a top to the mean pose of all points (S, 3), centred, of which it was found with a part.
 
-        Of so many points, the top and the mean are one.
+        To their top it is a Newton step, shortened until it leads uphill; from there to their mean it is shorter, the
+        more points there are.
         """
         top, few = best.refined, best.posterior
         background = Background.of(points, self.settings if few.background.has_ball else self._ball_free)
         everything = replace(few, points=points, background=background)
         before, gradient = everything(top.T, top.normal, top.offset)
-        T = moved_by(covariance_at(few, top) @ gradient[:6] * len(few.points), top.T)
-        return T if everything(T, top.normal, top.offset)[0] > before else top.T
+        step = newton_step(few, top, few.n_different * gradient[:6])
+        for _ in range(_SHORTENED):
+            if everything(moved_by(step, top.T), top.normal, top.offset)[0] > before:
+                break
+            step = step / 2
+        else:
+            step = np.zeros(6)
+        return step + spread.motion * len(few.points) / len(points)
 
     def _refined(self, points: FloatArray, few: IntArray, branches: list[Branch]) -> tuple[Candidate, ...]:
         """The likeliest poses of all branches, refined; alike ones are dropped."""
@@ -205,7 +214,8 @@ def polish(
     background = Background.of(points, settings)
     stages = tuple(_narrowing(points, background, model, np.asarray(T_model_scene, dtype=np.float64)[None]))
     ((_, posterior, T, _),) = _summits(points, background, model, stages, cut=settings.cut_plane)
-    return Spread.of(posterior, refine(posterior, T, cut=settings.cut_plane)).T
+    top = refine(posterior, T, cut=settings.cut_plane)
+    return moved_by(Spread.of(posterior, top).motion, top.T)
 
 
 def checked(points: FloatArray) -> FloatArray:

@@ -25,7 +25,7 @@ class GlobalModel:
         fields: its density at every width of `SIGMAS`.
         search: its turned transforms.
         planes: beyond which a scene may miss it.
-        few_planes: of these, for a first look at many poses.
+        few_planes: fewer and coarser ones, for a first look at many poses.
     """
 
     fields: tuple[Field, ...]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
 from ido.compiling import compiled
+from ido.global_registration.parts import in_parts
 from ido.types import DoubleArray, FloatArray
 
 KEPT = np.array([0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.43, 0.5, 0.58, 0.66, 0.75, 0.84, 0.92])
@@ -77,9 +76,7 @@ class Planes:
         def part(begin: int, end: int) -> None:
             _gains(moved[begin:end], odds[begin:end], self.directions, self.offsets, self.kept, gains[begin:end])
 
-        edges = np.linspace(0, len(moved), (os.cpu_count() or 1) + 1).astype(int)
-        with ThreadPoolExecutor(len(edges) - 1) as pool:
-            list(pool.map(part, edges[:-1], edges[1:]))
+        in_parts(len(moved), part)
         return gains
 
 

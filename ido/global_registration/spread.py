@@ -1,23 +1,24 @@
 """The pose to expect, and how far from it the truth may be: mean and spread of the likelihood (docs/global.md, Eq. 7).
 
-Where noise is strong or much is missing, the top of the likelihood over pose and plane lies aside of the middle of what
-is nearly as likely; the mean is nearer to the truth.
+Where a plane is uncertain, the top of the likelihood over pose and plane lies aside of the middle of what is nearly as
+likely, and the mean is nearer to the truth.
 """
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.stats import multivariate_t
 
 from ido.compiling import compiled
 from ido.global_registration.cut_plane import Posterior, Refined, likelihood_after
+from ido.global_registration.parts import in_parts
 from ido.kernels import pose_of
 from ido.types import DoubleArray, FloatArray
 
+_t: Any = multivariate_t  # its types know no matrix as a shape
 _ROUNDS, _PAIRS = 4, 100  # each round draws so many steps, and their opposites, in the place that the last one found
 _TAILS = 6  # degrees of freedom of what is drawn from: more often far away than a Gaussian
 _WIDER = 1.2  # than the top's curvature says, in the first round
@@ -25,7 +26,6 @@ _ENOUGH = 30.0  # as many draws as it takes to learn a place from, in effect
 _OLD = 0.2  # of a place that is kept in the next, so that none collapses
 _STEP = 0.01  # rad, model units: over the kinks of the field between its corners
 _FIRST_WIDTH = 0.15  # along any direction at most, in the first round (rad, model units)
-_LOOSEST = 1.0  # deviation that a pose can have along any direction (rad, model units)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,86 +33,87 @@ class Spread:
     """Where the pose of a scene may be.
 
     Args:
-        T: the mean pose, T_model_scene, shape (4, 4).
-        covariance: shift (model units) and turn (rad) in the model's frame, shape (6, 6), wherever the plane is.
+        motion: from the top of the likelihood to its mean: shift (model units) and turn (rad) in the model's frame, as
+            `moved_by` takes it; shape (6,).
+        covariance: of the pose, of the same six numbers, shape (6, 6).
     """
 
-    T: DoubleArray
+    motion: DoubleArray
     covariance: DoubleArray
 
     @classmethod
     def of(cls, posterior: Posterior, top: Refined) -> Spread:
-        """The mean by adaptive importance sampling about a top of the likelihood over pose and plane; the covariance by
-        the top's curvature.
+        """Mean and covariance of the pose by adaptive importance sampling about a top of the likelihood.
 
-        The draws are always the same. Points that are repeated say nothing new, and are counted once.
+        It is sampled over the plane, too, if there is one. The draws are always the same.
+
+        Args:
+            posterior: the likelihood of the scene.
+            top: of it.
         """
         around = _Around(posterior, top)
-        curvature = around.curvature()
-        rng = np.random.default_rng(0)
-        middle, shape = np.zeros(9), _WIDER**2 * _inverse(curvature, _FIRST_WIDTH)
-        steps, logs = np.zeros((1, 9)), np.zeros(1)
-        for number in range(_ROUNDS):
-            if number:
-                weights = _tempered(logs)
-                middle, learned = _moments(weights, steps)
-                shape = (1 - _OLD) * learned + _OLD * shape
-            drawn_from = multivariate_t(np.zeros(9), shape, df=_TAILS)
+        rng, n = np.random.default_rng(0), around.n_numbers
+        middle, covariance = np.zeros(n), _inverse(around.curvature(), _FIRST_WIDTH)
+        shape = _WIDER**2 * covariance
+        for _ in range(_ROUNDS):
+            drawn_from = _t(shape=shape, df=_TAILS)
             aside = drawn_from.rvs(_PAIRS, random_state=rng)
             aside = np.concatenate([aside, -aside])
-            steps = middle + aside
-            logs = around.log_likelihoods(steps) - drawn_from.logpdf(aside)
-        mean, _ = _moments(_weights(logs), steps)
-        return cls(moved_by(mean[:6], top.T), _inverse(curvature, _LOOSEST)[:6, :6])
+            weights = _tempered(around.log_likelihoods(middle + aside) - drawn_from.logpdf(aside))
+            middle, covariance = _moments(weights, middle + aside)
+            shape = (1 - _OLD) * covariance + _OLD * shape
+        return cls(middle[:6], covariance[:6, :6])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Around:
-    """The likelihood of all points at steps (n, 9) from a top: shift, turn, and of the plane along both tangents and
-    its normal."""
+    """The likelihood of all points at steps from a top (n, 9 or 6): shift, turn, and of a plane, if there is one, its
+    tilt along both tangents and its shift along its normal."""
 
     posterior: Posterior
     top: Refined
+
+    @property
+    def n_numbers(self) -> int:
+        """Of a step: without a plane, nothing changes with its tilt and shift."""
+        return 9 if self.top.has_plane else 6
 
     def log_likelihoods(self, steps: DoubleArray) -> DoubleArray:
         """Log-likelihoods, shape (n,)."""
         return self._evaluated(steps)[0]
 
     def curvature(self) -> DoubleArray:
-        """Minus the second derivatives at the top, by differences of the gradient, shape (9, 9)."""
-        there, back = np.split(self._evaluated(np.concatenate([np.eye(9), -np.eye(9)]) * _STEP)[1], 2)
+        """Minus the second derivatives at the top, by differences of the gradient, shape (9, 9) or (6, 6)."""
+        each = _STEP * np.eye(self.n_numbers)
+        there, back = np.split(self._evaluated(np.concatenate([each, -each]))[1], 2)
         curvature = (back - there) / (2 * _STEP)
         return (curvature + curvature.T) / 2
 
     def _evaluated(self, steps: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        values, gradients = np.empty(len(steps)), np.zeros((len(steps), 9))
-        top = self.top
+        """Log-likelihoods (n,), and their gradients by the steps."""
+        full, top = np.zeros((len(steps), 9)), self.top
+        full[:, : steps.shape[1]] = steps
+        values, gradients = np.empty(len(full)), np.zeros((len(full), 9))
         tangents = np.linalg.svd(top.normal[None])[2][1:]
         place = np.ascontiguousarray(top.T), top.normal, tangents, top.offset
         data = self.posterior.data
-        edges = np.linspace(0, len(steps), (os.cpu_count() or 1) + 1).astype(int)
 
         def part(begin: int, end: int) -> None:
-            likelihoods_after(*data, *place, steps[begin:end], values[begin:end], gradients[begin:end])
+            likelihoods_after(*data, *place, full[begin:end], values[begin:end], gradients[begin:end])
 
-        with ThreadPoolExecutor(len(edges) - 1) as pool:
-            list(pool.map(part, edges[:-1], edges[1:]))
-        n = len(np.unique(self.posterior.points, axis=0))
-        return n * values, n * gradients
-
-
-def _weights(logs: DoubleArray) -> DoubleArray:
-    weights = np.exp(logs - logs.max())
-    return weights / weights.sum()
+        in_parts(len(full), part)
+        n = self.posterior.n_different
+        return n * values, n * gradients[:, : steps.shape[1]]
 
 
 def _tempered(logs: DoubleArray) -> DoubleArray:
-    """Weights by a power of the likelihood, 1 if possible, for which enough draws have some."""
-    weights = _weights(logs)
-    while 1 / (weights**2).sum() < _ENOUGH:
+    """Weights by a power of the likelihood, 1 if possible, for which enough draws have some; shape (n,)."""
+    while True:
+        weights = np.exp(logs - logs.max())
+        weights /= weights.sum()
+        if 1 / (weights**2).sum() >= _ENOUGH:
+            return weights
         logs = 0.7 * logs
-        weights = _weights(logs)
-    return weights
 
 
 def _moments(weights: DoubleArray, steps: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
@@ -127,9 +128,15 @@ def _inverse(curvature: DoubleArray, loosest: float) -> DoubleArray:
     return (vectors / np.maximum(values, loosest**-2)) @ vectors.T
 
 
-def covariance_at(posterior: Posterior, top: Refined) -> DoubleArray:
-    """The covariance of the pose with the plane held where it is, by the curvature of the top; shape (6, 6)."""
-    return _inverse(_Around(posterior, top).curvature()[:6, :6], _LOOSEST)
+def newton_step(posterior: Posterior, top: Refined, gradient: DoubleArray) -> DoubleArray:
+    """The motion of the pose, shape (6,), that leads to where a gradient would vanish, with the plane where it is.
+
+    Args:
+        posterior: whose curvature at the top is taken.
+        top: of it.
+        gradient: by the motion, of the log-likelihood of its points, shape (6,).
+    """
+    return _inverse(_Around(posterior, top).curvature()[:6, :6], _FIRST_WIDTH) @ gradient
 
 
 def moved_by(motion: FloatArray, T: FloatArray) -> DoubleArray:
@@ -154,7 +161,7 @@ def likelihoods_after(
     values: DoubleArray,
     gradients: DoubleArray,
 ) -> None:
-    """`likelihood_after` for many steps (n, 9)."""
+    """`likelihood_after`, the mean over the points, for many steps (n, 9): `values` (n,) and `gradients` (n, 9)."""
     for i in range(len(steps)):
         values[i] = likelihood_after(
             points, ball, density, model, numbers, T, normal, tangents, offset, steps[i], gradients[i]

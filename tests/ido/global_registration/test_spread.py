@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -9,8 +11,9 @@ from scipy.spatial.transform import Rotation
 from ido import Cloud, GlobalModel, GlobalRegistration, Perturbation, Scene, perturb, poses, score
 from ido.global_registration import GlobalSettings
 from ido.global_registration.cut_plane import Posterior, Refined, likelihood_after, refine
+from ido.global_registration.evidence import Evidence
 from ido.global_registration.outliers import Background
-from ido.global_registration.spread import Spread
+from ido.global_registration.spread import Spread, moved_by
 from ido.methods import shipped_global_model
 from ido.types import DoubleArray
 
@@ -66,7 +69,7 @@ def test_a_random_walk_has_the_same_mean(hard: list[tuple[Scene, Posterior, Refi
         wide = np.sqrt(np.diag(spread.covariance))
         scale = 0.5 * np.concatenate([wide, np.full(3, wide.min())])
         mean = walked_mean(posterior, top, scale, 12_000)[:6]
-        assert np.abs(motion(spread.T, top.T) - mean).max() < 0.6 * wide.max()
+        assert np.abs(spread.motion - mean).max() < 0.6 * wide.max()
 
 
 def test_under_noise_the_mean_is_nearer_to_the_truth_than_the_top(bunny: Cloud, model: GlobalModel):
@@ -80,14 +83,51 @@ def test_under_noise_the_mean_is_nearer_to_the_truth_than_the_top(bunny: Cloud, 
 
 
 def test_the_truth_is_as_far_away_as_the_covariance_says(hard: list[tuple[Scene, Posterior, Refined]]):
-    distances = []
+    distances, ratios = [], []
     for scene, posterior, top in hard:
         spread = Spread.of(posterior, top)
-        away = motion(scene.T_model_scene.astype(np.float64), spread.T)
+        mean = moved_by(spread.motion, top.T)
+        away = motion(scene.T_model_scene.astype(np.float64), mean)
         distances.append(away @ np.linalg.solve(spread.covariance, away))
+        ratios.append(Evidence.of(posterior, top, [], spread.covariance).error / score(scene, mean).rmse)
     assert 3 < np.median(distances) < 9  # 5.3 of six numbers that are Gaussian
+    assert 0.7 < np.exp(np.mean(np.log(ratios))) < 1.5
 
 
 def test_the_draws_are_always_the_same(hard: list[tuple[Scene, Posterior, Refined]]):
     _, posterior, top = hard[0]
-    np.testing.assert_array_equal(Spread.of(posterior, top).T, Spread.of(posterior, top).T)
+    np.testing.assert_array_equal(Spread.of(posterior, top).motion, Spread.of(posterior, top).motion)
+
+
+def test_without_a_plane_there_are_six_numbers_and_little_between_top_and_mean(bunny: Cloud, model: GlobalModel):
+    for seed in range(6):
+        scene = perturb(bunny, Perturbation(noise=0.05, incomplete=0, seed=seed))
+        found = GlobalRegistration(model, GlobalSettings(cut_plane=False)).run(scene.points)
+        assert not found.best.has_plane
+        assert np.abs(found.T - found.best.T).max() < 0.02
+        assert 0.3 < found.evidence.error / score(scene, found.T_model_scene).rmse < 3
+
+
+def test_repeated_points_say_nothing_new(hard: list[tuple[Scene, Posterior, Refined]]):
+    for _, posterior, top in hard[:3]:
+        twice = replace(
+            posterior,
+            points=np.repeat(posterior.points, 2, axis=0),
+            background=Background.of(np.repeat(posterior.points, 2, axis=0), GlobalSettings(ball=False)),
+        )
+        assert twice.n_different == posterior.n_different
+        one, other = Spread.of(posterior, top), Spread.of(twice, top)
+        np.testing.assert_allclose(other.covariance, one.covariance, rtol=0.2, atol=1e-6)
+
+
+@pytest.mark.parametrize("points", [1195, 1205, 1700])
+def test_of_more_points_than_are_climbed_with_the_mean_is_found_too(bunny: Cloud, model: GlobalModel, points: int):
+    of_top, of_mean = [], []
+    for seed in range(8):
+        n = round((points - 300) / 0.5)
+        scene = perturb(bunny, Perturbation(noise=0.1, points=n, incomplete=0.5, outliers=300, seed=seed))
+        assert len(scene.points) == points
+        found = GlobalRegistration(model).run(scene.points)
+        of_top.append(score(scene, found.best.T @ found.centring).rmse)
+        of_mean.append(score(scene, found.T_model_scene).rmse)
+    assert np.mean(of_mean) < 0.95 * np.mean(of_top)
