@@ -214,10 +214,16 @@ def _run_of(arrays: Mapping[str, np.ndarray]) -> RecordedRun:
         perturbation=Perturbation(**header["perturbation"]),
         scene=Scene(arrays["points"], arrays["is_outlier"], arrays["true_pose"]),
         methods=tuple(_method_of(i, entry, arrays) for i, entry in enumerate(header["methods"])),
-        moved=tuple(map(float, header.get("moved", ()))),  # files of before have none
+        moved=tuple(float(value) for value in _listed(header.get("moved", []))),  # files of before have none
         code=str(header["code"]),
         version=str(header["version"]),
     )
+
+
+def _listed(values: object) -> list[Any]:
+    if not isinstance(values, list):
+        raise RunError(f"its moved is no list: {values!r:.100}")
+    return values
 
 
 def _method_header(method: RecordedMethod) -> dict[str, Any]:

@@ -12,7 +12,7 @@ _AROUND = np.linspace(0.0, 2 * np.pi, 33)
 
 
 def add_ball(scene: viser.SceneApi, name: str, place: FloatArray, radius: float, color: Color, rim: Color) -> None:
-    """Draw a ball at a place (3,), with three rings of another colour, which set it off from any ground."""
+    """Draw a ball of a radius (model units) at a place (3,), set off from any ground by three rings."""
     scene.add_point_cloud(
         name,
         np.zeros((1, 3), dtype=np.float32),

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import viser
+from scipy.spatial.transform import Rotation
 
 from ido.types import DoubleArray
 from ido_viz.core.geometry import VIEW_DIRECTION
@@ -22,7 +23,6 @@ _SETTLING = 0.03  # seconds after which what is read of a camera belongs togethe
 _SAME = 0.01  # places that differ less are one
 _SAME_SIDE = 0.002  # and directions to the right
 _ASIDE = 0.001  # model units: seen by nobody
-_STEEP = 0.02  # of the way to a camera: with less of it beside the vertical, it looks straight down
 
 
 class Camera:
@@ -83,8 +83,6 @@ class Camera:
                 self._place()
 
     def _on_update(self) -> None:
-        with self._lock:
-            self._turn()
         place = self._elsewhere()
         if place is not None:
             with self._lock:
@@ -114,6 +112,8 @@ class Camera:
             awaited = time.perf_counter() < self._awaited_until
             if is_there and self._camera.update_timestamp != self._sent:  # the page's word, not the place just sent
                 self._awaited_until = 0.0
+            if is_there or not awaited:
+                self._turn()
         return None if is_there or awaited else place
 
     def _place(self) -> None:
@@ -122,19 +122,20 @@ class Camera:
         place = np.array(self._placed or _FITTED)
         self._awaited_until = time.perf_counter() + _PATIENCE
         look_at = middle + place[3:]
-        for aside in (
-            _ASIDE,
-            0.0,
-        ):  # viser sends no place that the page has told of, though another is on its way there
+        # viser does not send a place that the page has just told of, even if another one is on its way there; so one a
+        # little aside goes first
+        for aside in (_ASIDE, 0.0):
             self._camera.position = look_at + distance * place[:3] + aside
             self._camera.look_at = look_at + aside
         self._sent = self._camera.update_timestamp
         self._turn()
 
     def _turn(self) -> None:
-        """Tell of what lies to the right now."""
-        right = to_the_right(np.asarray(self._camera.position) - np.asarray(self._camera.look_at))
-        if right is not None and not np.allclose(right, self._right, atol=_SAME_SIDE):
+        """Tell of what lies to the right now. A camera has no roll, so that is horizontal, also straight from above."""
+        right = Rotation.from_quat(self._camera.wxyz, scalar_first=True).apply([1.0, 0.0, 0.0])
+        right[2] = 0.0
+        right /= np.linalg.norm(right) or 1.0
+        if not np.allclose(right, self._right, atol=_SAME_SIDE):
             self._right = right
             self._turned(right)
 
@@ -151,14 +152,6 @@ class Camera:
         distance = height / 2 / float(np.tan(self._camera.fov / 2))
         # on a phone the controls cover the lower part, so the panes move up
         return distance, np.array([0.0, 0.0, -height * (0.27 if portrait else _LIFT if self._lifted else 0.0)])
-
-
-def to_the_right(way: DoubleArray) -> DoubleArray | None:
-    """The horizontal direction to the right of who looks back along a way (3,); None from straight above or below."""
-    across = float(np.hypot(way[0], way[1]))
-    if across <= _STEEP * float(np.linalg.norm(way)):
-        return None
-    return np.array([-way[1], way[0], 0.0]) / across
 
 
 _FITTED = (*(VIEW_DIRECTION / np.linalg.norm(VIEW_DIRECTION)).tolist(), 0.0, 0.0, 0.0)

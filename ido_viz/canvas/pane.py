@@ -26,7 +26,7 @@ from ido_viz.core.state import BEATS, NO_POINT
 from ido_viz.core.wording import progress_line
 
 PANE_OFFSETS = (-1.17, 1.17)
-"""How far to the right of the middle of both each pane's centre is, model units."""
+"""Of each pane's centre, to the right of the middle between them, model units."""
 
 _NO_LINES = np.zeros((1, 2, 3), dtype=np.float32)
 _NO_POINTS = np.zeros((1, 3), dtype=np.float32)

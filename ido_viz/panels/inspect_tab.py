@@ -20,7 +20,7 @@ from ido_viz.panels.markup import caption, method_span, signed, table_html
 NO_BIN = "choose one"
 """Stands first in the list of bins, so that the strongest one can be chosen, too."""
 
-_NO_SHARES = "The steps of this method are no sums over the bins of a histogram, of which each would have a share."
+_NO_SHARES = "The steps of this method are not sums over the bins of a histogram, so no bin has a share in them."
 
 Change = Callable[[dict[str, Any]], None]
 """Called with the fields of the state that a person changed."""

@@ -122,13 +122,19 @@
   addEventListener("keydown", ({ key }) => /^\d$/.test(key) || (point = null), true);
   addEventListener("focusout", () => (point = null), true);
 
-  // What plays would write over a number that a person types there; so it pauses first.
-  const pauses = ({ target, type, key }) => {
-    if (!isNumber(target) || (type === "keydown" && !/^\d$/.test(key))) return;
+  // What plays would write over a number that a person types there; so it pauses first. The button, which is another one
+  // once the server has heard of it, is not pressed again before that.
+  const HEARD = 1500; // milliseconds
+  let paused = -HEARD;
+  const pauses = ({ target, type, key, timeStamp }) => {
+    if (!isNumber(target) || (type === "keydown" && !/^Arrow(Up|Down)$/.test(key)) || timeStamp - paused < HEARD) return;
     if (!document.getElementById(uuidOf("Iteration"))?.parentElement.contains(target)) return;
-    [...document.querySelectorAll("button")].find((each) => each.textContent.trim() === "Pause (P)")?.click();
+    const button = [...document.querySelectorAll("button")].find((each) => each.textContent.trim() === "Pause (P)");
+    if (!button) return;
+    paused = timeStamp;
+    button.click();
   };
-  for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, pauses, true);
+  for (const kind of ["pointerdown", "keydown", "beforeinput"]) addEventListener(kind, pauses, true);
 
   // Escape closes a window that stands over the page, by its button.
   addEventListener("keydown", (event) => {

@@ -34,7 +34,6 @@ Tab = Literal[
 ]
 
 _CLAIM = re.compile(r"\[(?P<text>[^\[\]]+)\]\(#(?P<id>[^()]*)\)")
-_FURTHER = 1.25  # than where both panes fit
 _OF_LOOK = {"tab": str, "end": bool, "sweep": str, "marks": list, "camera": list}
 
 
@@ -185,13 +184,13 @@ def _guess(table: object, where: str, state: State) -> tuple[Guess, tuple[Claim,
 
 
 def _camera(values: Table, where: str) -> tuple[float, ...]:
-    """The state's camera for a direction, from a little further away, for seen from aside one pane comes nearer."""
+    """The state's camera for a direction, from where both panes fit."""
     if "camera" not in values:
         return NO_CAMERA
     numbers = [float(each) for each in values["camera"] if type(each) in (int, float)]
     if len(numbers) != 3 or len(values["camera"]) != 3 or not any(numbers):
         raise ContentError(f"{where}: 'camera' must be a direction of three numbers, not {values['camera']!r}")
-    direction = _FURTHER * np.array(numbers) / np.linalg.norm(numbers)
+    direction = np.array(numbers) / np.linalg.norm(numbers)
     return (*np.round(direction, 3).tolist(), 0.0, 0.0, 0.0)
 
 

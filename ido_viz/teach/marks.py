@@ -26,7 +26,7 @@ _AWAY = {
     "outliers": (0.3, 0.0, 0.5),
     "scene": (0.25, 0.0, 0.95),
 }
-"""From what is pointed at to the word, as it is seen on the page, model units."""
+"""From what is pointed at to the word, as it is seen from the front, model units."""
 
 _GAP = 0.04  # from the arrow's head to what it points at, or to its ball
 _HIGH = 0.5  # above it, a word is below what it points at, clear of the pane's title; model units
@@ -95,7 +95,7 @@ def _path(frame: Frame, tip: DoubleArray, mark: Mark) -> DoubleArray:
     if mark != "scene" and seen[2] > _HIGH:
         away[2] = -abs(away[2])
     if abs(seen[0] + away[0]) > _WIDE:
-        away[0] = -away[0]
+        away[0] = -np.copysign(away[0], seen[0])
     away = turn.inv().apply(away)
     return np.stack([tip + away, tip + (_GAP + _BALLS.get(mark, 0.0)) * away / np.linalg.norm(away)])
 

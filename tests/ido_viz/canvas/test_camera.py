@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 import viser
+from scipy.spatial.transform import Rotation
 
 from ido.types import DoubleArray
 from ido_viz.canvas.camera import Camera
@@ -43,6 +44,16 @@ class Window:
         if not np.allclose(position, self._position):  # as viser does it
             self._position = position
             self.sent.append(position)
+
+    @property
+    def wxyz(self) -> DoubleArray:
+        """Of a camera without roll: its x axis to the right, its z axis to what it looks at."""
+        forward = self.look_at - self.position
+        forward = forward / np.linalg.norm(forward)
+        right = np.cross(forward, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        axes = np.stack([right, np.cross(forward, right), forward], axis=1)
+        return Rotation.from_matrix(axes).as_quat(scalar_first=True)
 
     def on_update(self, update: Callable[[Any], None]) -> None:
         self._update = update
@@ -222,10 +233,19 @@ def test_what_lies_to_the_right_of_another_view_is_told_once(way: tuple[float, f
     np.testing.assert_allclose(right, across / np.linalg.norm(across), atol=1e-12)
 
 
-def test_straight_from_above_nothing_lies_elsewhere():
+def test_nearly_straight_from_above_the_panes_still_turn_with_the_view():
     window = opened(1.5)
     window.orbit(*(window.look_at + np.array([0.001, 0.001, 5.0])))
-    assert window.turned == []
+    np.testing.assert_allclose(window.turned, [[-np.sqrt(0.5), np.sqrt(0.5), 0.0]], atol=1e-3)
+
+
+def test_what_a_page_tells_on_its_way_turns_nothing():
+    window = Window(1.5)
+    window.tell()  # viser's first camera
+    window.camera.begin((1.0, 0.0, 0.2, 0.0, 0.0, 0.0))
+    assert len(window.turned) == 1
+    window.orbit(3.0, 3.0, 3.0)  # told before it got there
+    assert len(window.turned) == 1
 
 
 def test_a_shared_view_is_told_before_the_page_is_there():

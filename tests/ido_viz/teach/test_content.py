@@ -98,7 +98,7 @@ def test_a_lesson_is_what_its_file_says(tmp_path: Path):
     saved(LESSON.replace("Seen", "Before"), tmp_path / "9-seen-before.toml")
     saved("what a lecturer reads", tmp_path / "README.md")
     before, seen = load_lessons(tmp_path)
-    away = 1.25 / np.linalg.norm([1.0, -1.0, 0.5])
+    away = 1 / np.linalg.norm([1.0, -1.0, 0.5])
     plain = with_values(State(), {"handles": False})
     page = with_values(plain, {"rotation": 20, "hidden": ("view",)})
     camera = (*np.round(np.array([1.0, -1.0, 0.5]) * away, 3).tolist(), 0.0, 0.0, 0.0)
