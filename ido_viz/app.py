@@ -126,7 +126,9 @@ class App:
 
     async def _open(self, client: viser.ClientHandle) -> None:
         prepare(client)
-        refuse_nonsense(client, lambda reason: client.add_notification("Not taken", reason, auto_close_seconds=8.0))
+        refuse_nonsense(
+            client, lambda reason: client.add_notification("Not taken as it is", reason, auto_close_seconds=8.0)
+        )
         request = current_request()
         if self._workshop is not None:
             await asyncio.to_thread(self._workshop.shelf.look_again)  # another page's cloud may just be written

@@ -38,18 +38,19 @@ class Choice:
     method: str
 
     def at(self, state: State) -> State:
-        """The state that shows it, at its end, in the right pane."""
-        base = Perturbation(outlier_kind=SHAPES[self.shape].outlier_kind)
-        others = (state.left, State().left, State().right)
-        default = State()
+        """The state that shows it, at its end: in the right pane, unless its method is in the left one already."""
+        base, default = Perturbation(outlier_kind=SHAPES[self.shape].outlier_kind), State()
+        is_left = self.method == state.left
+        others = (state.right if is_left else state.left, default.left, default.right)
+        other = next(method for method in others if method != self.method and method in method_names(self.shape))
         return replace(
             state,
             epsilon=default.epsilon,
             max_iterations=default.max_iterations,
             shape=self.shape,
             perturbation=level_scene(base, self.sweep, self.level, self.trial, MOST_SCENES, SEED),
-            left=next(method for method in others if method != self.method and method in method_names(self.shape)),
-            right=self.method,
+            left=self.method if is_left else other,
+            right=other if is_left else self.method,
             start=NO_START,
             iteration=LAST,
             playing=False,

@@ -72,8 +72,10 @@ def _asks(inside: Inside, dark: bool) -> tuple[str, str]:
             (60, palette.css(palette.ink(dark)), inside.question.second, False),
         )
     )
+    questions = inside.inspection.side.histogram.questions
+    which = f", question {questions.index(inside.question) + 1} of {len(questions)}" if len(questions) > 1 else ""
     return (
-        f"One model point, the yellow one (number {inside.point}), asks every scene point near it: "
+        f"One model point, the yellow one (number {inside.point}), asks every scene point near it{which}: "
         f"<b>{html.escape(inside.question.first)}</b> or <b>{html.escape(inside.question.second)}</b>?",
         picture + '<text x="10" y="104">The nearer a point is, the more it counts, and the stronger its colour.</text>',
     )

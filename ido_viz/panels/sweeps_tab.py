@@ -39,7 +39,9 @@ class SweepsTab:
         self._method = gui.add_dropdown("Method", ("DO",), initial_value="DO", hint="Whose scenes are listed below.")
         self._level = gui.add_dropdown("Level", ("0",), initial_value="0", hint="Of the sweep.")
         self._trial = gui.add_dropdown("Scene", ("–",), initial_value="–", hint="Scenes of this level, worst first.")
-        self._button = gui.add_button("Open this scene", hint="Shows it in the panes, the method on the right.")
+        self._button = gui.add_button(
+            "Open this scene", hint="Shows it in the panes: the method where it is already, or on the right."
+        )
         for handle in (self._sweep, self._score, self._group, self._method, self._level):
             handle.on_update(lambda event: changed() if event.client else None)
         self._button.on_click(lambda _: self._choose())

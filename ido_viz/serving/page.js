@@ -98,10 +98,11 @@
     addEventListener(kind, ({ target }) => {
       if (isNumber(target) && holdsOne(target)) target.dataset.number = target.value;
     });
-  addEventListener("focusout", ({ target }) => {
-    if (!isNumber(target) || target.dataset.number === undefined) return;
+  const fill = ({ target, type, key }) => {
+    if (!isNumber(target) || target.dataset.number === undefined || (type === "keydown" && key !== "Enter")) return;
     setTimeout(() => holdsOne(target) || write(target, target.dataset.number));
-  });
+  };
+  for (const kind of ["focusout", "keydown"]) addEventListener(kind, fill);
 
   // A decimal comma is a decimal point. In a field of whole numbers, which refuses the point, what follows it would be
   // taken for more digits, 12.7 for 127; it is refused, too.

@@ -64,6 +64,7 @@ def refuse_nonsense(client: viser.ClientHandle, tell: Callable[[str], object]) -
         nearest = None if refused is None or widget is None or widget.disabled else _nearest(widget, refused)
         if nearest is not None:  # of the range that it has now
             await take_over(client_id, GuiUpdateMessage(uuid, {"value": nearest}))
+            reason = f"{reason} It is {nearest:g} now."
         answer(uuid, reason)
 
     def answer_at_rest(client_id: Any, uuid: str, reason: str | None = None, refused: object = None) -> None:
@@ -123,7 +124,7 @@ def refusal(widget: Any, value: object) -> str | None:
     return None
 
 
-def _nearest(widget: Any, value: Any) -> object:
+def _nearest(widget: Any, value: Any) -> float | None:
     """The number in a widget's range that is nearest to one out of range; None where that is none that we can tell."""
     low, high = getattr(widget, "min", None), getattr(widget, "max", None)
     return low if low is not None and value < low else high if high is not None and value > high else None
