@@ -27,6 +27,7 @@ class Plot:
         self.height = height
         self._folder = gui.add_folder(None)
         self._chart: viser.GuiUplotHandle | None = None
+        self._left: viser.GuiUplotHandle | None = None
         self._made: tuple[DoubleArray, ...] = ()
 
     def restyle(
@@ -46,8 +47,11 @@ class Plot:
                 height=self.height,
                 padding=(7, 18, 0, 0),
             )
+        if self._left is not None:
+            self._left.remove()
         if old is not None:
-            old.remove()
+            old.visible = False
+        self._left = old  # not removed yet: the page may still have to take its newest data, and would find it gone
 
     def draw(self, data: tuple[DoubleArray, ...]) -> None:
         """Draw new data in the style that was set."""

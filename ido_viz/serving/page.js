@@ -23,12 +23,22 @@
   // sends a message of a panel every 50 milliseconds and of those in between the last one alone: a click or a value that
   // a person gives would be lost to what the page tells, or the other way round.
   let connection = null;
+  let kept = null; // the field whose values wait, and the newest of them
   window.Worker = class extends Worker {
     constructor(...how) {
       super(...how);
-      this.addEventListener("message", ({ data }) => data.type === "connected" && (connection = this));
+      this.addEventListener("message", ({ data }) => {
+        if (data.type === "connected") connection = this;
+        for (const message of data.messages ?? []) {
+          if (message.type !== "GuiUpdateMessage" || message.uuid !== kept?.uuid) continue;
+          kept.updates = { ...kept.updates, ...message.updates };
+          message.updates = {};
+        }
+      });
     }
   };
+  const give = (message) =>
+    connection.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages: [message] } }));
   const told = new Map(); // the last value of each field, by viser's name for it: that of a new connection is another
   function tell(field, value) {
     const uuid = uuidOf(field);
@@ -134,7 +144,20 @@
     if (!button) return;
     paused = timeStamp;
     button.click();
+    keep(target);
   };
+  // Frames that are on their way would be written there until then. They wait; the newest comes if nothing was typed.
+  const ON_THE_WAY = 1000; // milliseconds
+  function keep(field) {
+    const mine = (kept = { uuid: uuidOf("Iteration") });
+    const typed = (event) => event.isTrusted && (mine.typed = true);
+    field.addEventListener("input", typed, true);
+    setTimeout(() => {
+      field.removeEventListener("input", typed, true);
+      kept = null;
+      if (mine.updates && !mine.typed) give({ type: "GuiUpdateMessage", uuid: mine.uuid, updates: mine.updates });
+    }, ON_THE_WAY);
+  }
   for (const kind of ["pointerdown", "keydown", "beforeinput"]) addEventListener(kind, pauses, true);
 
   // Escape closes a window that stands over the page, by its button.
