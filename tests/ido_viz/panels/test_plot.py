@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
+from typing import cast
+
 import numpy as np
 import pytest
+import viser
 
 from ido.types import DoubleArray, FloatArray
-from ido_viz.panels.plot import changed
+from ido_viz.panels.plot import Plot, changed
 
 Columns = tuple[DoubleArray, ...]
 
@@ -43,3 +47,35 @@ def test_nothing_is_sent_of_what_is_the_same():
 def test_data_of_another_length_are_sent_whole():
     data = columns(1, 50)
     assert changed(columns(0), data) is data
+
+
+class Chart:
+    """Stands for viser's handle of a chart."""
+
+    visible, removed = True, False
+
+    def remove(self) -> None:
+        self.removed = True
+
+
+class Gui:
+    """Stands for viser's panels; notes what charts there were."""
+
+    def __init__(self) -> None:
+        self.charts: list[Chart] = []
+
+    def add_folder(self, _: None) -> AbstractContextManager[None]:
+        return nullcontext()
+
+    def add_uplot(self, *_: object, **__: object) -> Chart:
+        self.charts.append(Chart())
+        return self.charts[-1]
+
+
+def test_of_a_chart_with_a_new_style_the_old_one_is_hidden_and_gone_with_the_next():
+    gui = Gui()
+    plot = Plot(cast(viser.GuiApi, gui), 100)
+    for count in range(1, 5):
+        plot.restyle(columns(0), [], {}, [])
+        assert [each.visible for each in gui.charts] == [False] * (count - 1) + [True]
+        assert [each.removed for each in gui.charts] == [True] * (count - 2) + [False] * min(count, 2)
