@@ -21,7 +21,6 @@ NO_PLANE = (np.array([1.0, 0.0, 0.0]), 1e3)
 
 _DIRECTIONS = 200  # with half as many, the last step begins too far from the best plane, and more scenes are lost
 _TELLING = 1e-3  # a point that is less likely of the model than so often of the outliers says nothing of a plane
-_LARGE = 1e200  # a product that is larger is near to overflow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +87,7 @@ def spread_directions(n: int) -> DoubleArray:
     return np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=1)
 
 
-@compiled(error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")  # sums may be taken in any order, several terms at once
 def _likeliest(
     along: DoubleArray, odds: DoubleArray, offsets: DoubleArray, kept: DoubleArray
 ) -> tuple[float, int, int]:
@@ -101,16 +100,14 @@ def _likeliest(
     for s in range(len(odds)):
         without += np.log(1 + odds[s])
     best = without
-    for d in range(len(along)):
-        for k in range(len(kept)):
-            total, product = 0.0, 1.0  # of products, fewer logarithms have to be taken
+    terms = np.empty(len(odds))
+    for k in range(len(kept)):
+        for s in range(len(odds)):
+            terms[s] = np.log(1 + odds[s] / kept[k])
+        for d in range(len(along)):
+            total = 0.0
             for s in range(len(odds)):
-                if along[d, s] < offsets[d, k]:
-                    product *= 1 + odds[s] / kept[k]
-                    if product > _LARGE:
-                        total += np.log(product)
-                        product = 1.0
-            total += np.log(product)
+                total += terms[s] if along[d, s] < offsets[d, k] else 0.0
             if total > best:
                 best, direction, number = total, d, k
     return best - without, direction, number
