@@ -120,12 +120,17 @@ class Camera:
         self._aspect = self._camera.aspect
         distance, middle = self._fit()
         place = np.array(self._placed or _FITTED)
-        self._awaited_until = time.perf_counter() + _PATIENCE
         look_at = middle + place[3:]
+        position = look_at + distance * place[:3]
+        awaits = time.perf_counter() < self._awaited_until
+        told = np.concatenate([self._camera.position, self._camera.look_at])
+        if not awaits and np.allclose(told, np.concatenate([position, look_at]), atol=_ASIDE / 2):
+            return  # the page is there, and would not tell of it again
+        self._awaited_until = time.perf_counter() + _PATIENCE
         # viser does not send a place that the page has just told of, even if another one is on its way there; so one a
         # little aside goes first
         for aside in (_ASIDE, 0.0):
-            self._camera.position = look_at + distance * place[:3] + aside
+            self._camera.position = position + aside
             self._camera.look_at = look_at + aside
         self._sent = self._camera.update_timestamp
         self._turn()

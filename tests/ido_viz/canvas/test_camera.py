@@ -13,7 +13,7 @@ import viser
 from scipy.spatial.transform import Rotation
 
 from ido.types import DoubleArray
-from ido_viz.canvas.camera import Camera
+from ido_viz.canvas.camera import _FITTED, Camera
 from ido_viz.canvas.pane import PANE_OFFSETS
 from ido_viz.core.state import NO_CAMERA, State
 
@@ -185,6 +185,15 @@ def test_a_place_that_the_page_left_is_sent_again_though_it_told_of_it_just_now(
     window.tell()
     np.testing.assert_allclose(window.sent[-1], narrow)
     assert len(window.sent) > 1 and not np.array_equal(window.sent[-2], window.sent[-1])
+
+
+def test_of_a_page_that_is_where_it_is_sent_the_next_move_is_a_person_s():
+    window = opened(1.5)
+    sent = len(window.sent)
+    window.camera.show(_FITTED)  # the same place, written otherwise
+    assert len(window.sent) == sent
+    window.orbit(1.0, -4.0, 1.0)
+    assert len(window.told) == 1
 
 
 def test_a_shown_place_is_looked_from_and_the_view_goes_back():
