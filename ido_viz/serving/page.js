@@ -147,7 +147,8 @@
     keep(target);
   };
   // Frames that are on their way would be written there until then. They wait; the newest comes if nothing was typed.
-  const ON_THE_WAY = 1000; // milliseconds
+  // A number that was marked, to be typed over, stays marked.
+  const [ON_THE_WAY, SHOWN] = [1000, 60]; // milliseconds
   function keep(field) {
     const mine = (kept = { uuid: uuidOf("Iteration") });
     const typed = (event) => event.isTrusted && (mine.typed = true);
@@ -155,7 +156,10 @@
     setTimeout(() => {
       field.removeEventListener("input", typed, true);
       kept = null;
-      if (mine.updates && !mine.typed) give({ type: "GuiUpdateMessage", uuid: mine.uuid, updates: mine.updates });
+      if (!mine.updates || mine.typed) return;
+      const marked = field.selectionStart === 0 && field.selectionEnd === field.value.length;
+      give({ type: "GuiUpdateMessage", uuid: mine.uuid, updates: mine.updates });
+      if (marked) setTimeout(() => field === document.activeElement && field.select(), SHOWN);
     }, ON_THE_WAY);
   }
   for (const kind of ["pointerdown", "keydown", "beforeinput"]) addEventListener(kind, pauses, true);

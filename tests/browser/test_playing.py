@@ -43,7 +43,7 @@ def test_scrubbing_shows_the_iteration_under_the_mouse(at_the_start: Explorer):
 
 
 def test_what_plays_pauses_where_an_iteration_is_typed(open_explorer: OpenExplorer):
-    explorer = open_explorer(replace(AT_THE_START, playing=True, speed=20))
+    explorer = open_explorer(replace(AT_THE_START, playing=True, speed=5))
     explorer.wait_until("some iterations", lambda: explorer.iteration() > 3)
     field = explorer.field("Iteration")
     field.dblclick()
