@@ -115,7 +115,7 @@ class GlobalResult:
 
     @property
     def trajectory(self) -> Trajectory:
-        """The way of the chosen pose: from where the scene lies to a start of the search, and uphill from there."""
+        """The way of the chosen pose: from where the scene lies to a start of the search, uphill, and to the mean."""
         chosen = self.candidates[0]
         climbed = self.branches[chosen.branch].lineage(chosen.start, chosen.stage)
         T = np.concatenate([np.eye(4)[None], np.stack([*climbed, self.T]) @ self.centring])

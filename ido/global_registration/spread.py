@@ -25,7 +25,7 @@ _WIDER = 1.2  # than the top's curvature says, in the first round
 _ENOUGH = 30.0  # as many draws as it takes to learn a place from, in effect
 _OLD = 0.2  # of a place that is kept in the next, so that none collapses
 _STEP = 0.01  # rad, model units: over the kinks of the field between its corners
-_FIRST_WIDTH = 0.15  # along any direction at most, in the first round (rad, model units)
+_WIDEST = 0.15  # deviation that a curvature is believed to mean, at most (rad, model units)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +53,7 @@ class Spread:
         """
         around = _Around(posterior, top)
         rng, n = np.random.default_rng(0), around.n_numbers
-        middle, covariance = np.zeros(n), _inverse(around.curvature(), _FIRST_WIDTH)
+        middle, covariance = np.zeros(n), _inverse(around.curvature())
         shape = _WIDER**2 * covariance
         for _ in range(_ROUNDS):
             drawn_from = _t(shape=shape, df=_TAILS)
@@ -122,10 +122,10 @@ def _moments(weights: DoubleArray, steps: DoubleArray) -> tuple[DoubleArray, Dou
     return mean, (weights[:, None] * aside).T @ aside
 
 
-def _inverse(curvature: DoubleArray, loosest: float) -> DoubleArray:
-    """The covariance that a curvature means, along no direction wider than the loosest."""
+def _inverse(curvature: DoubleArray) -> DoubleArray:
+    """The covariance that a curvature means, along no direction wider than `_WIDEST`."""
     values, vectors = np.linalg.eigh(curvature)
-    return (vectors / np.maximum(values, loosest**-2)) @ vectors.T
+    return (vectors / np.maximum(values, _WIDEST**-2)) @ vectors.T
 
 
 def newton_step(posterior: Posterior, top: Refined, gradient: DoubleArray) -> DoubleArray:
@@ -136,7 +136,7 @@ def newton_step(posterior: Posterior, top: Refined, gradient: DoubleArray) -> Do
         top: of it.
         gradient: by the motion, of the log-likelihood of its points, shape (6,).
     """
-    return _inverse(_Around(posterior, top).curvature()[:6, :6], _FIRST_WIDTH) @ gradient
+    return _inverse(_Around(posterior, top).curvature()[:6, :6]) @ gradient
 
 
 def moved_by(motion: FloatArray, T: FloatArray) -> DoubleArray:

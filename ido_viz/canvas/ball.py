@@ -6,12 +6,13 @@ import numpy as np
 import viser
 
 from ido.types import FloatArray
+from ido_viz.core import palette
 from ido_viz.core.palette import Color
 
 _AROUND = np.linspace(0.0, 2 * np.pi, 33)
 
 
-def add_ball(scene: viser.SceneApi, name: str, place: FloatArray, radius: float, color: Color, rim: Color) -> None:
+def add_ball(scene: viser.SceneApi, name: str, place: FloatArray, radius: float, color: Color) -> None:
     """Draw a ball of a radius (model units) at a place (3,), set off from any ground by three rings."""
     scene.add_point_cloud(
         name,
@@ -27,5 +28,5 @@ def add_ball(scene: viser.SceneApi, name: str, place: FloatArray, radius: float,
         [np.stack([ring[:-1], ring[1:]], axis=1) for ring in (np.roll(circle, i, 1) for i in range(3))]
     )
     scene.add_line_segments(
-        f"{name}/rim", rings.astype(np.float32), np.array(rim), thickness=1.5, thickness_units="screen"
+        f"{name}/rim", rings.astype(np.float32), np.array(palette.RIM), thickness=1.5, thickness_units="screen"
     )

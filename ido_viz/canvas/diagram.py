@@ -61,7 +61,7 @@ class Diagram:
     ) -> None:
         m, n = model.points[point].astype(np.float64), model.normals[point].astype(np.float64)
         self._scene.add_frame(self._root, show_axes=False)
-        add_ball(self._scene, f"{self._root}/point", m, 0.06, palette.MARK, palette.RIM)
+        add_ball(self._scene, f"{self._root}/point", m, 0.06, palette.MARK)
         if named_above is not None:
             words = f"model point {point}"
             self._scene.add_label(f"{self._root}/name", words, position=m + 0.1 * named_above, anchor="bottom-center")
@@ -71,7 +71,7 @@ class Diagram:
             self._lines("lines", surface.lines, color)
             self._lines("guides", surface.guides, palette.GUIDE)
         if partner is not None:
-            add_ball(self._scene, f"{self._root}/partner", partner, 0.04, palette.MARK, palette.RIM)
+            add_ball(self._scene, f"{self._root}/partner", partner, 0.04, palette.MARK)
             self._lines("pair", np.array([[m, partner]]), palette.MARK)
 
     def _mesh(self, vertices: FloatArray, faces: np.ndarray, color: Color) -> None:

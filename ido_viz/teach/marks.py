@@ -146,7 +146,7 @@ class Marks:
             path = each.path.astype(np.float32)
             self._scene.add_frame(name, show_axes=False)
             if each.ball:
-                add_ball(self._scene, f"{name}/ball", each.tip, each.ball, each.color, palette.RIM)
+                add_ball(self._scene, f"{name}/ball", each.tip, each.ball, each.color)
             self._scene.add_line_segments(
                 f"{name}/shaft",
                 np.stack([path[:-1], path[1:]], axis=1),
