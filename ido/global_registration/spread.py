@@ -7,10 +7,8 @@ likely, and the mean is nearer to the truth.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from scipy.stats import multivariate_t
 
 from ido.compiling import compiled
 from ido.global_registration.cut_plane import Posterior, Refined, likelihood_after
@@ -18,7 +16,6 @@ from ido.global_registration.parts import in_parts
 from ido.kernels import pose_of
 from ido.types import DoubleArray, FloatArray
 
-_t: Any = multivariate_t  # its types know no matrix as a shape
 _ROUNDS, _PAIRS = 4, 100  # each round draws so many steps, and their opposites, in the place that the last one found
 _TAILS = 6  # degrees of freedom of what is drawn from: more often far away than a Gaussian
 _WIDER = 1.2  # than the top's curvature says, in the first round
@@ -56,10 +53,9 @@ class Spread:
         middle, covariance = np.zeros(n), _inverse(around.curvature())
         shape = _WIDER**2 * covariance
         for _ in range(_ROUNDS):
-            drawn_from = _t(shape=shape, df=_TAILS)
-            aside = drawn_from.rvs(_PAIRS, random_state=rng)
+            aside = drawn_steps(rng, shape)
             aside = np.concatenate([aside, -aside])
-            weights = _tempered(around.log_likelihoods(middle + aside) - drawn_from.logpdf(aside))
+            weights = _tempered(around.log_likelihoods(middle + aside) - log_densities(aside, shape))
             middle, covariance = _moments(weights, middle + aside)
             shape = (1 - _OLD) * covariance + _OLD * shape
         return cls(middle[:6], covariance[:6, :6])
@@ -104,6 +100,21 @@ class _Around:
         in_parts(len(full), part)
         n = self.posterior.n_different
         return n * values, n * gradients[:, : steps.shape[1]]
+
+
+def drawn_steps(rng: np.random.Generator, shape: DoubleArray) -> DoubleArray:
+    """Steps from a Student t distribution about none, (_PAIRS, n), by its scale matrix (n, n).
+
+    As `scipy.stats.multivariate_t` draws them, which takes a quarter of a second to import.
+    """
+    narrowed = rng.chisquare(_TAILS, _PAIRS) / _TAILS
+    return rng.multivariate_normal(np.zeros(len(shape)), shape, _PAIRS) / np.sqrt(narrowed)[:, None]
+
+
+def log_densities(steps: DoubleArray, shape: DoubleArray) -> DoubleArray:
+    """Of that distribution, shape (m,), but for a constant, which is in all weights."""
+    squares = np.einsum("ij,ji->i", steps, np.linalg.solve(shape, steps.T))
+    return -(_TAILS + len(shape)) / 2 * np.log1p(squares / _TAILS)
 
 
 def _tempered(logs: DoubleArray) -> DoubleArray:

@@ -13,7 +13,7 @@ from ido.global_registration import GlobalSettings
 from ido.global_registration.cut_plane import Posterior, Refined, likelihood_after, refine
 from ido.global_registration.evidence import Evidence
 from ido.global_registration.outliers import Background
-from ido.global_registration.spread import Spread, moved_by
+from ido.global_registration.spread import Spread, drawn_steps, log_densities, moved_by
 from ido.methods import shipped_global_model
 from ido.types import DoubleArray
 
@@ -131,3 +131,16 @@ def test_of_more_points_than_are_climbed_with_the_mean_is_found_too(bunny: Cloud
         of_top.append(score(scene, found.best.T @ found.centring).rmse)
         of_mean.append(score(scene, found.T_model_scene).rmse)
     assert np.mean(of_mean) < 0.95 * np.mean(of_top)
+
+
+def test_steps_are_drawn_from_the_distribution_that_their_densities_are_of():
+    from scipy.stats import multivariate_t  # a quarter of a second, for this test alone
+
+    root = np.random.default_rng(3).standard_normal((9, 9))
+    shape = root @ root.T
+    ours, theirs = np.random.default_rng(4), np.random.default_rng(4)
+    drawn = drawn_steps(ours, shape)
+    distribution = multivariate_t(shape=shape, df=6)
+    np.testing.assert_allclose(drawn, distribution.rvs(len(drawn), random_state=theirs), rtol=1e-12)
+    differences = log_densities(drawn, shape) - distribution.logpdf(drawn)
+    np.testing.assert_allclose(differences, differences[0], rtol=1e-9)
