@@ -16,10 +16,7 @@ from ido_viz.core import palette
 from ido_viz.core.state import State, encode
 from ido_viz.teach.lessons import lesson
 
-pytestmark = [
-    pytest.mark.looks_at_canvas,
-    pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning"),
-]
+pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 COLORS = [palette.method_color(name) for name in (AT_THE_START.left, AT_THE_START.right)]
 DESKTOPS = [(1280, 720), (1440, 900)]
 PHONE = (390, 844)
@@ -38,6 +35,7 @@ def see_both_panes(explorer: Explorer) -> None:
     explorer.wait_until("both panes on the canvas", seen)
 
 
+@pytest.mark.looks_at_canvas
 def test_each_pane_shows_its_method_s_cloud_and_what_both_share(at_the_start: Explorer):
     explorer = at_the_start
     see_both_panes(explorer)
@@ -61,6 +59,7 @@ def test_each_pane_shows_its_method_s_cloud_and_what_both_share(at_the_start: Ex
     )
 
 
+@pytest.mark.looks_at_canvas
 def test_from_every_side_the_panes_stand_beside_each_other(at_the_start: Explorer):
     explorer = at_the_start
     see_both_panes(explorer)
@@ -82,6 +81,7 @@ def hollow_places(half: np.ndarray) -> np.ndarray:
     return (green - red > 40) & (np.abs(green - blue) < 25)
 
 
+@pytest.mark.looks_at_canvas
 def test_what_is_switched_off_leaves_the_canvas(at_the_start: Explorer):
     explorer = at_the_start
     see_both_panes(explorer)
@@ -104,6 +104,7 @@ def test_what_is_switched_off_leaves_the_canvas(at_the_start: Explorer):
     see_both_panes(explorer)
 
 
+@pytest.mark.looks_at_canvas
 def test_stepping_moves_both_clouds(at_the_start: Explorer):
     see_both_panes(at_the_start)
     before = at_the_start.canvas_halves()
@@ -211,6 +212,7 @@ def brightness(explorer: Explorer) -> float:
     return float(np.median(np.asarray(Image.open(io.BytesIO(explorer.page.screenshot())).convert("L"))))
 
 
+@pytest.mark.looks_at_canvas
 def test_dark_and_light_again(explorer: Explorer):
     see_both_panes(explorer)
     assert brightness(explorer) > 200
@@ -284,6 +286,7 @@ def see_names_and_dividers(explorer: Explorer, *counts: int) -> None:
         )
 
 
+@pytest.mark.looks_at_canvas  # the drawing made the page slow enough for them to be missing
 @pytest.mark.parametrize(("right", "of_right"), [("Improved DO", 6), ("Global", 2)])
 def test_a_fresh_page_s_histograms_have_their_names_and_dividers(
     open_explorer: OpenExplorer, right: str, of_right: int
@@ -309,6 +312,7 @@ def test_a_message_on_a_broken_code_leaves_the_methods_names_in_sight(explorer: 
     )
 
 
+@pytest.mark.looks_at_canvas
 @pytest.mark.parametrize("size", DESKTOPS, ids=lambda size: f"{size[0]}x{size[1]}")
 def test_controls_canvas_and_charts_stand_side_by_side(open_explorer: OpenExplorer, size: tuple[int, int]):
     explorer = open_explorer(AT_THE_START, size)
@@ -367,6 +371,7 @@ def test_a_tab_of_the_controls_brings_what_it_holds_into_view(open_explorer: Ope
     assert box_of(explorer.page.get_by_role("tab", name="Learn", exact=True))["y"] >= 0
 
 
+@pytest.mark.looks_at_canvas
 def test_on_a_phone_the_panes_are_seen_and_play_works(open_explorer: OpenExplorer):
     explorer = open_explorer(replace(AT_THE_END, speed=60), PHONE)
     see_both_panes(explorer)
