@@ -20,6 +20,7 @@ AT_THE_END = replace(AT_THE_START, iteration=LAST)
 PATIENCE = 90.0  # seconds; only a failing test waits that long, or a machine that is very slow
 BETWEEN_CONTROLS = 60  # milliseconds: a panel sends the input of one control at a time
 SETTLING = 400  # milliseconds in which a late frame would show
+LOOKS = 25, 120  # milliseconds between two looks at a page, at first and at last: each look costs it several
 
 SLIDERS = {
     "Noise": 0.2,
@@ -155,9 +156,11 @@ class AnyExplorer(ABC):
     def wait_until(self, what: str, condition: Callable[[], object]) -> None:
         """Wait until something is true."""
         deadline = time.monotonic() + PATIENCE
+        pause, longest = LOOKS
         while not condition():
             assert time.monotonic() < deadline, f"waited in vain for: {what}; the page has {self.readout()}"
-            self.pause(30)
+            self.pause(pause)
+            pause = min(pause * 3 // 2, longest)
 
     def iteration(self) -> int:
         """The iteration that is shown, of the method that is ahead."""

@@ -19,6 +19,12 @@ window.rest = atRest => {
 It is also drawn seldom: in software, one picture after another leaves a dragging mouse no time.
 """
 
+WITH_PLAIN_EDGES = """const take = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return take.call(this, kind, kind.startsWith("webgl") ? {...options, antialias: false} : options);
+};"""
+"""A page whose 3D scene has no smooth edges: in software, they take half of the time of a picture."""
+
 WITHOUT_DRAWING = """for (const of of [WebGLRenderingContext, WebGL2RenderingContext])
     for (const name of ["clear", "drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
         if (of.prototype[name]) of.prototype[name] = () => {};"""
@@ -53,6 +59,7 @@ def new_page(browser: Browser, *, draws: bool = False, **options: Any) -> Page:
     """A new page that can rest, and whose 3D scene is drawn or not."""
     page = browser.new_page(**options)
     page.add_init_script(WITH_RESTS)
+    page.add_init_script(WITH_PLAIN_EDGES)
     if not draws:
         page.add_init_script(WITHOUT_DRAWING)
     return page
