@@ -50,11 +50,18 @@ def sweeps_figure(results: Results, dataset: str, score: str) -> Figure:
 
 
 @styled
-def settings_figure(results: Results, dataset: str, score: str) -> Figure:
-    """The first two variants of each method that has more than one, side by side over the six sweeps of a dataset."""
+def settings_figure(results: Results, dataset: str, score: str) -> Figure | None:
+    """The first two variants of each method that has more than one, side by side over the six sweeps of a dataset.
+
+    Each method of which one was run has a row; None where there is none.
+    """
     of_dataset = results.where(dataset=dataset)
-    families = [family for family in FAMILIES if len(family.variants) > 1]
-    figure, axes = grid_of_axes(len(families), len(LEVELS), 1.56 * len(families))
+    in_pairs = [family for family in FAMILIES if len(family.variants) > 1]
+    families = [each for each in in_pairs if len(of_dataset.among(method=[name for _, name in each.variants[:2]]))]
+    if not families:
+        return None
+    height = max(1.56 * len(families), 1.5 + 1.3 * len(families))  # a few rows have room for the legend, too
+    figure, axes = grid_of_axes(len(families), len(LEVELS), height)
     nothing, do = (of_dataset.where(method=family.main) for family in (NOTHING, LEARNED_FAMILIES[0]))
     for row, family in zip(axes, families, strict=True):
         runs = [(name, of_dataset.where(method=method)) for name, method in family.variants[:2]]

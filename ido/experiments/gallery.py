@@ -49,14 +49,16 @@ def sweep_figures(results: Results, dataset: str) -> Iterator[NamedFigure]:
             sweeps_figure(results, dataset, score),
         )
     for score, title in SCORE_TITLES.items():
-        yield NamedFigure(
-            f"{dataset}-{score}-settings",
-            f"{title}: default beside tuned settings, {where}",
-            f"{bands}; {better[score]}. Each row is one method: filled markers and solid lines are tuned settings, "
-            "hollow markers and dashed lines those of its authors. For Improved DO: our reading, and the paper's "
-            "formula to the letter.",
-            settings_figure(results, dataset, score),
-        )
+        figure = settings_figure(results, dataset, score)
+        if figure is not None:
+            yield NamedFigure(
+                f"{dataset}-{score}-settings",
+                f"{title}: default beside tuned settings, {where}",
+                f"{bands}; {better[score]}. Each row is one method that was run: filled markers and solid lines are "
+                "tuned settings, hollow markers and dashed lines those of its authors. For Improved DO: our reading, "
+                "and the paper's formula to the letter.",
+                figure,
+            )
 
 
 def sure_figures(found: Mapping[str, Reliability]) -> Iterator[NamedFigure]:

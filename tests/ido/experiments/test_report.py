@@ -20,7 +20,7 @@ from ido.experiments.estimates import Costs, estimate, sweep_estimate
 from ido.experiments.families import COMPARED_METHODS, FAMILIES
 from ido.experiments.figures_learning import training_figure
 from ido.experiments.figures_reliability import reliability_figure
-from ido.experiments.figures_sweeps import sweeps_figure
+from ido.experiments.figures_sweeps import settings_figure, sweeps_figure
 from ido.experiments.paper import PAPER_METHODS, PAPER_TABLES, ROW_NAMES, PaperTable
 from ido.experiments.reliability import Reliability, wilson
 from ido.experiments.report import report_command, write_report
@@ -485,6 +485,15 @@ def test_a_sweep_is_drawn_at_its_means_and_only_where_it_was_run(results: Result
     assert np.isnan(drawn[2:]).all()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "ICP, tuned" in labels and "CPD, tuned: not run" in labels
+
+
+def test_settings_are_drawn_of_methods_that_were_run(results: Results):
+    figure = settings_figure(results, "bunny", "rmse")
+    assert figure is not None
+    rows = [ax.get_ylabel().splitlines()[0] for ax in figure.axes if ax.get_ylabel()]
+    assert rows == ["DO", "ICP"]
+    assert settings_figure(results.where(method="Did nothing"), "bunny", "rmse") is None
+    assert settings_figure(results, "urban", "rmse") is None
 
 
 def test_training_curves_show_the_files_errors():
