@@ -71,19 +71,17 @@ def test_reloading_a_page_keeps_what_it_shows_and_frees_the_session_before(explo
     explorer.wait_until("the session before to be freed", lambda: explorer.app.n_sessions == 1)
 
 
-def test_the_address_follows_in_few_steps(fresh_explorer: Explorer):
-    explorer = fresh_explorer
-    explorer.page.add_init_script(
-        "const replace = history.replaceState; window.replaced = 0;"
-        "history.replaceState = function (...given) { window.replaced += 1; return replace.apply(this, given); }"
-    )
-    explorer.open()
+def test_the_address_follows_in_few_steps(explorer: Explorer):
     expect_address(explorer, AT_THE_END)
-    before = explorer.page.evaluate("window.replaced")
+    explorer.page.evaluate(
+        "() => { window.replaced = 0; history.replaceState = (...given) => {"
+        " window.replaced += 1; History.prototype.replaceState.apply(history, given); }; }"
+    )
     for _ in range(3):
         explorer.drag("Rotation", 0.2, 0.6, steps=40)
     explorer.wait_until("the last place", lambda: explorer.state() == state_of(explorer) != AT_THE_END)
-    assert explorer.page.evaluate("window.replaced") - before < 30
+    assert 0 < explorer.page.evaluate("replaced") < 30
+    explorer.page.evaluate("() => delete history.replaceState")
 
 
 def test_another_fragment_in_an_open_page_leads_to_its_page_and_back_to_the_one_before(explorer: Explorer):
@@ -118,16 +116,26 @@ def test_a_bad_address_opens_the_page_with_its_defaults_and_says_what_is_wrong(o
     explorer = open_explorer(wait=False)
     for fragment, message in (
         ("state=" + quote("<img src=x onerror=alert(1)>"), "a code starts with"),
-        ("state=ido1-damaged", "damaged"),
         ("lesson=" + quote("<b>none"), "unknown lesson '<b>none'"),
-        ("state=" + "a" * 50_000, "more than 2000 characters"),
     ):
         explorer.page.goto("about:blank")
         open_at(explorer, fragment)
-        explorer.wait_until("a message", explorer.notifications)
-        assert "This address cannot be used" in explorer.notifications()[0] and message in explorer.notifications()[0]
-        explorer.expect_numbers(AT_THE_END)
-        expect_address(explorer, AT_THE_END)
+        expect_refusal(explorer, message)
+    for fragment, message in (
+        ("state=ido1-damaged", "damaged"),
+        ("state=" + "a" * 50_000, "more than 2000 characters"),
+    ):
+        explorer.close_notifications()
+        explorer.page.evaluate("hash => location.hash = hash", fragment)  # as pasted into the open page's address
+        expect_refusal(explorer, message)
+
+
+def expect_refusal(explorer: Explorer, message: str) -> None:
+    """See that the page says why an address cannot be used, and has its defaults."""
+    explorer.wait_until("a message", explorer.notifications)
+    assert "This address cannot be used" in explorer.notifications()[0] and message in explorer.notifications()[0]
+    explorer.expect_numbers(AT_THE_END)
+    expect_address(explorer, AT_THE_END)
 
 
 def test_an_address_cannot_lead_the_page_to_another_server(open_explorer: OpenExplorer):
@@ -204,8 +212,8 @@ def test_code_and_link_of_a_playing_page_are_those_of_what_is_shown(open_explore
     expect_address(explorer, expected)
 
 
-def test_a_class_scans_the_address_that_others_can_open(open_explorer: OpenExplorer):
-    only_here, lecturer = open_explorer(), open_explorer(wait=False)
+def test_a_class_scans_the_address_that_others_can_open(explorer: Explorer, open_explorer: OpenExplorer):
+    only_here, lecturer = explorer, open_explorer(wait=False)
     only_here.press("QR code")
     reason = only_here.page.get_by_text("Only this machine can open this page")
     reason.wait_for()
@@ -233,11 +241,9 @@ def test_a_class_scans_the_address_that_others_can_open(open_explorer: OpenExplo
         app.stop()
 
 
-def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(fresh_explorer: Explorer):
+def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(explorer: Explorer):
     """As on an address without encryption that is not the machine's own."""
-    explorer = fresh_explorer
-    explorer.page.add_init_script("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
-    explorer.open()
+    explorer.page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined, configurable: true})")
     explorer.press("Back (B)")
     explorer.wait_until("its address", lambda: state_of(explorer) not in (None, AT_THE_END))
     explorer.press("Copy link")
@@ -247,3 +253,4 @@ def test_the_link_is_copied_where_the_browser_has_no_clipboard_for_pages(fresh_e
     field.focus()
     explorer.page.keyboard.press("Control+V")
     assert field.input_value() == explorer.page.url
+    field.evaluate("field => { field.remove(); delete navigator.clipboard; }")

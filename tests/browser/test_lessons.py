@@ -6,7 +6,7 @@ from typing import get_args
 
 import numpy as np
 from any_explorer import SETTLING
-from explorer import Explorer, OpenExplorer
+from explorer import Explorer
 from numpy.typing import NDArray
 from playwright.sync_api import Locator
 
@@ -126,8 +126,7 @@ def test_the_control_beside_the_text_is_the_one_of_the_panel(explorer: Explorer)
     explorer.wait_until("the step's slider follows", lambda: slider.get_attribute("aria-valuenow") == "300")
 
 
-def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(open_explorer: OpenExplorer):
-    explorer = open_explorer()
+def test_the_arrows_leave_the_camera_alone_during_a_lesson_only(explorer: Explorer):
     assert camera_turns(explorer)
     explorer.choose("Lesson", lesson("maps").title)
     explorer.expect_step(1, len(lesson("maps").steps))

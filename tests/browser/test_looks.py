@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from any_explorer import AT_THE_END, AT_THE_START, SETTLING
-from explorer import Explorer, OpenExplorer, box_of, like
+from explorer import SMALL, Explorer, OpenExplorer, box_of, like
 from PIL import Image
 
 from ido import RANGES
@@ -363,11 +363,11 @@ def test_with_large_text_the_tabs_of_each_panel_stand_in_one_row(open_explorer: 
     assert len(rows) >= 2 and set(rows) == {1}
 
 
-def test_a_tab_of_the_controls_brings_what_it_holds_into_view(open_explorer: OpenExplorer):
-    explorer = open_explorer(AT_THE_END, (1280, 720))
+def test_a_tab_of_the_controls_brings_what_it_holds_into_view(explorer: Explorer):
+    height = SMALL[1]
     last = explorer.page.get_by_role("button", name="A ball of outliers", exact=True)
     explorer.open_tab("Learn")
-    explorer.wait_until("its last button in sight", lambda: box_of(last)["y"] + box_of(last)["height"] <= 720)
+    explorer.wait_until("its last button in sight", lambda: box_of(last)["y"] + box_of(last)["height"] <= height)
     assert box_of(explorer.page.get_by_role("tab", name="Learn", exact=True))["y"] >= 0
 
 

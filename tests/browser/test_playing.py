@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
-from any_explorer import AT_THE_START, SETTLING
+from any_explorer import SETTLING
 from explorer import Explorer, OpenExplorer
 
 from ido_viz.core.state import State
@@ -42,8 +40,10 @@ def test_scrubbing_shows_the_iteration_under_the_mouse(at_the_start: Explorer):
     explorer.wait_until("the end", lambda: explorer.iteration() == explorer.last_iteration())
 
 
-def test_what_plays_pauses_where_an_iteration_is_typed(open_explorer: OpenExplorer):
-    explorer = open_explorer(replace(AT_THE_START, playing=True, speed=5))
+def test_what_plays_pauses_where_an_iteration_is_typed(at_the_start: Explorer):
+    explorer = at_the_start
+    explorer.type_into("Speed", "5")
+    explorer.press("Play (P)")
     explorer.wait_until("some iterations", lambda: explorer.iteration() > 3)
     field = explorer.field("Iteration")
     field.dblclick()

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from any_explorer import AT_THE_START, SETTLING, independent_run
-from explorer import Explorer, OpenExplorer, box_of
+from any_explorer import SETTLING, independent_run
+from explorer import Explorer, box_of
 from scipy.spatial.transform import Rotation
 
 from ido.types import FloatArray
@@ -71,10 +71,10 @@ def drag(explorer: Explorer, start: tuple[float, float], by: tuple[float, float]
     mouse.up()
 
 
-def test_a_drag_is_one_change_however_slow(open_explorer: OpenExplorer, monkeypatch: pytest.MonkeyPatch):
+def test_a_drag_is_one_change_however_slow(at_the_start: Explorer, monkeypatch: pytest.MonkeyPatch):
     for limit in ("AT_ONCE", "OF_ONE_HAND"):
         monkeypatch.setattr(history, limit, 0.0)  # without the hand, every value is a change
-    explorer = open_explorer(AT_THE_START)
+    explorer = at_the_start
     before = explorer.state().perturbation
     dragged = explorer.drag("Noise", 0.9, 0.1, 0.7, steps=3)
     explorer.wait_until("the noise", lambda: explorer.state().perturbation.noise == dragged != before.noise)
@@ -100,8 +100,9 @@ def test_a_slider_that_is_held_still_keeps_its_scene_at_the_start_until_it_is_le
     explorer.wait_until("it to play", lambda: explorer.iteration() > 0)
 
 
-def test_a_scene_is_dragged_by_its_handle_and_brought_back(open_explorer: OpenExplorer):
-    explorer = open_explorer(AT_THE_START)
+def test_a_scene_is_dragged_by_its_handle_and_brought_back(at_the_start: Explorer):
+    explorer = at_the_start
+    explorer.pause(int(1000 * history.AT_ONCE))  # or what led here would be taken back, too
     before = explorer.state()
     at = handle(explorer, 0, ARROW)
     drag(explorer, at, (60.0, 0.0))
@@ -135,8 +136,9 @@ def test_a_view_turned_by_the_mouse_is_kept_and_reset_by_button_and_key(explorer
         explorer.expect_to_agree()
 
 
-def test_nothing_moves_on_the_page_when_the_playing_ends(open_explorer: OpenExplorer):
-    explorer = open_explorer(replace(AT_THE_START, speed=30))
+def test_nothing_moves_on_the_page_when_the_playing_ends(at_the_start: Explorer):
+    explorer = at_the_start
+    explorer.type_into("Speed", "30")
     explorer.press("Play (P)")
     explorer.wait_until("some iterations", lambda: explorer.iteration() > 2)
     playing, places = explorer.is_playing(), explorer.page.evaluate(PLACES)
