@@ -5,11 +5,14 @@ from __future__ import annotations
 import gc
 import os
 from itertools import zip_longest
+from typing import Any
 
 import pytest
+from xdist.scheduler import LoadFileScheduling
 
 from ido import Cloud, FrontBack, Maps, Model, TrainingSettings, shipped_cloud, train
 
+IN_A_BROWSER = "tests/browser/"
 WAITING = ("tests/pages/", "tests/ido_viz/test_", "tests/ido_viz/own/", "tests/test_load", "tests/test_monkey")
 """Tests that wait most of their time: for a page to be at rest, or for a process."""
 SMALL_MODEL = 80
@@ -24,6 +27,24 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("numprocesses", None):
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+class ByFile(LoadFileScheduling):
+    """A file is one worker's; those in a browser are two workers' in all: starting one, and its pages, is work."""
+
+    def __init__(self, config: pytest.Config, log: Any) -> None:
+        super().__init__(config, log)
+        self._browser_of: dict[str, int] = {}
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = super()._split_scope(nodeid)
+        if not file.startswith(IN_A_BROWSER):
+            return file
+        return f"browser {self._browser_of.setdefault(file, len(self._browser_of) % 2)}"
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByFile:
+    return ByFile(config, log)
 
 
 def pytest_collection() -> None:

@@ -53,7 +53,8 @@ class Camera:
         self._lifted = False
         self._awaited_until = 0.0  # until the page has the place that was sent, it tells of others on the way
         self._sent = 0.0  # the time of what the camera's handle holds; another one once the page has told of a place
-        self._settling = False  # whether a callback waits for what else comes
+        self._has_news = False  # whether the page has told of a place that nobody was told of yet
+        self._is_telling = False  # whether a callback does that, once it has waited for what else comes
         self._lock = threading.Lock()  # the camera's callbacks overtake each other
         camera.on_update(lambda _: self._on_update())
 
@@ -83,21 +84,35 @@ class Camera:
                 self._place()
 
     def _on_update(self) -> None:
+        if self._elsewhere() is None:
+            return
+        with self._lock:
+            self._has_news = True
+            if self._is_telling:  # one is enough, and the threads are those of everybody's buttons
+                return
+            self._is_telling = True
+        try:
+            while self._has_news_to_tell():
+                time.sleep(_SETTLING)  # position and direction come one after the other: either may have been the older
+                self._has_news = False
+                self._tell()
+        except BaseException:
+            self._is_telling = False
+            raise
+
+    def _has_news_to_tell(self) -> bool:
+        """Whether the page has moved since it was told of; if not, nobody tells any more."""
+        with self._lock:
+            self._is_telling = self._has_news
+            return self._has_news
+
+    def _tell(self) -> None:
         place = self._elsewhere()
-        if place is not None:
-            with self._lock:
-                if self._settling:  # one is enough, and the threads are those of everybody's buttons
-                    return
-                self._settling = True
-            time.sleep(_SETTLING)  # position and direction come one after the other: either may have been the older
-            with self._lock:
-                self._settling = False
-            place = self._elsewhere()
         if place is not None:
             place = NO_CAMERA if np.allclose(place, _FITTED, atol=_SAME) else place
             with self._lock:
                 self._placed = place
-            self._moved(place)
+            self._moved(place)  # by one thread at a time, or an older place could be told last
 
     def _elsewhere(self) -> tuple[float, ...] | None:
         """From where a person looks, if it is not the place that was sent."""

@@ -164,6 +164,33 @@ def test_of_moves_that_come_at_once_one_waits_and_the_newest_is_told(monkeypatch
     assert window.told == other.told
 
 
+def test_the_newest_place_is_told_last_though_who_is_told_was_busy_with_an_older_one():
+    window, busy, goes_on = opened(1.5), threading.Event(), threading.Event()
+    told: list[tuple[float, ...]] = []
+
+    def take(place: tuple[float, ...]) -> None:
+        if not busy.is_set():
+            busy.set()
+            assert goes_on.wait(10)
+        told.append(place)
+
+    window.camera = Camera(cast(viser.CameraHandle, window), take, window.turned.append)
+    window.camera.begin(NO_CAMERA)
+    window.tell()
+    first = threading.Thread(target=window.orbit, args=(1.0, -4.0, 1.0))
+    first.start()
+    assert busy.wait(10)
+    window.orbit(2.0, -4.0, 1.0)
+    window.orbit(2.9, -4.0, 1.0)
+    goes_on.set()
+    first.join()
+    other = opened(1.5)
+    other.orbit(2.9, -4.0, 1.0)
+    assert told[-1] == other.told[-1]
+    window.orbit(2.0, -4.0, 1.0)
+    assert told[-1] != other.told[-1], "nobody tells any more"
+
+
 def test_frames_that_a_person_has_overtaken_do_not_turn_the_view_back():
     window = opened(1.5)
     for step in range(4):
