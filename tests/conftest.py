@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import os
-from itertools import zip_longest
 from typing import Any
 
 import pytest
@@ -53,14 +52,13 @@ def pytest_collection() -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Those in a browser begin, which take longest, by turns with those that wait: processors are busy to the end."""
-    files = dict.fromkeys(item.path for item in items)
-    here = [file.relative_to(config.rootpath).as_posix() for file in files]
-    waiting = [file for file in here if file.startswith(WAITING)]
-    busy = [file for file in here if not file.startswith(WAITING)]  # those in a browser are the first of them
-    turns = [file for both in zip_longest(busy, waiting) for file in both if file]
-    places = {file: place for place, file in enumerate(turns)}
-    items.sort(key=lambda item: places[item.path.relative_to(config.rootpath).as_posix()])
+    """First those in a browser, which take longest, beside those that wait; then the others: all end at once."""
+
+    def place(item: pytest.Item) -> int:
+        file = item.path.relative_to(config.rootpath).as_posix()
+        return 0 if file.startswith(IN_A_BROWSER) else 1 if file.startswith(WAITING) else 2
+
+    items.sort(key=place)
 
 
 def pytest_collection_finish() -> None:
