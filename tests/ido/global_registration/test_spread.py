@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -137,7 +138,7 @@ def test_steps_are_drawn_from_the_distribution_that_their_densities_are_of():
     from scipy.stats import multivariate_t  # a quarter of a second, for this test alone
 
     root = np.random.default_rng(3).standard_normal((9, 9))
-    shape = root @ root.T
+    shape: Any = root @ root.T  # SciPy's types know no matrix as a shape
     ours, theirs = np.random.default_rng(4), np.random.default_rng(4)
     drawn = drawn_steps(ours, shape)
     distribution = multivariate_t(shape=shape, df=6)
