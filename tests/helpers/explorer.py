@@ -43,6 +43,8 @@ TABS = {
 
 TAB_OF = {label: tab for tab, labels in TABS.items() for label in labels}
 
+MENU_OPENS = 5000  # milliseconds within which a menu that was clicked is open
+
 AT_THE_MOUSE = 3.0  # seconds within which a slider that was let go stands where the mouse did
 
 NEAR = 12  # of 255: colours this close count as the same
@@ -234,18 +236,30 @@ class Explorer(AnyExplorer):
 
     def choose(self, label: str, option: str) -> None:
         """Choose from a menu."""
-        self.field(label).click()
-        self.page.get_by_role("option", name=option, exact=True).click()
+        wanted = self.page.get_by_role("option", name=option, exact=True)
+        self._open_menu(label)
+        try:
+            wanted.click(timeout=MENU_OPENS)
+        except TimeoutError:
+            self._open_menu(label)
+            wanted.click()
         self.pause()
+
+    def _open_menu(self, label: str) -> None:
+        """Open a menu that is not open; once more where a frame that came just then has closed it."""
+        offered = self.page.get_by_role("option").first
+        if offered.is_visible():
+            return
+        self.field(label).click()
+        try:
+            offered.wait_for(timeout=MENU_OPENS)
+        except TimeoutError:
+            self.field(label).click()
+            offered.wait_for()
 
     def options(self, label: str) -> list[str]:
         """What a menu offers."""
-        self.field(label).click()
-        try:
-            self.page.get_by_role("option").first.wait_for(timeout=5000)
-        except TimeoutError:  # a frame that came just then has closed it
-            self.field(label).click()
-            self.page.get_by_role("option").first.wait_for()
+        self._open_menu(label)
         offered = self.page.get_by_role("option").all_inner_texts()
         self.field(label).press("Escape")
         self.page.get_by_role("option").first.wait_for(state="hidden")
