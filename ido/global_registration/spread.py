@@ -103,7 +103,7 @@ class _Around:
 
 
 def drawn_steps(rng: np.random.Generator, shape: DoubleArray) -> DoubleArray:
-    """Steps from a Student t distribution about none, (_PAIRS, n), by its scale matrix (n, n).
+    """Steps (_PAIRS, n) from the Student t distribution about zero that has a scale matrix (n, n).
 
     As `scipy.stats.multivariate_t` draws them, which takes a quarter of a second to import.
     """
@@ -112,7 +112,7 @@ def drawn_steps(rng: np.random.Generator, shape: DoubleArray) -> DoubleArray:
 
 
 def log_densities(steps: DoubleArray, shape: DoubleArray) -> DoubleArray:
-    """Of that distribution, shape (m,), but for a constant, which is in all weights."""
+    """Logarithms (m,) of that distribution's density at steps (m, n), but for a constant, which is in all weights."""
     squares = np.einsum("ij,ji->i", steps, np.linalg.solve(shape, steps.T))
     return -(_TAILS + len(shape)) / 2 * np.log1p(squares / _TAILS)
 

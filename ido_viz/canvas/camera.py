@@ -54,7 +54,7 @@ class Camera:
         self._awaited_until = 0.0  # until the page has the place that was sent, it tells of others on the way
         self._sent = 0.0  # the time of what the camera's handle holds; another one once the page has told of a place
         self._has_news = False  # whether the page has told of a place that nobody was told of yet
-        self._is_telling = False  # whether a callback does that, once it has waited for what else comes
+        self._telling = threading.Lock()  # held by the callback that does that
         self._lock = threading.Lock()  # the camera's callbacks overtake each other
         camera.on_update(lambda _: self._on_update())
 
@@ -86,25 +86,14 @@ class Camera:
     def _on_update(self) -> None:
         if self._elsewhere() is None:
             return
-        with self._lock:
-            self._has_news = True
-            if self._is_telling:  # one is enough, and the threads are those of everybody's buttons
-                return
-            self._is_telling = True
-        try:
-            while self._has_news_to_tell():
+        self._has_news = True
+        while self._has_news and self._telling.acquire(blocking=False):  # one is enough: the threads are everybody's
+            try:
                 time.sleep(_SETTLING)  # position and direction come one after the other: either may have been the older
                 self._has_news = False
                 self._tell()
-        except BaseException:
-            self._is_telling = False
-            raise
-
-    def _has_news_to_tell(self) -> bool:
-        """Whether the page has moved since it was told of; if not, nobody tells any more."""
-        with self._lock:
-            self._is_telling = self._has_news
-            return self._has_news
+            finally:
+                self._telling.release()
 
     def _tell(self) -> None:
         place = self._elsewhere()

@@ -75,7 +75,7 @@ def test_a_random_walk_has_the_same_mean(hard: list[tuple[Scene, Posterior, Refi
 
 def test_under_noise_the_mean_is_nearer_to_the_truth_than_the_top(bunny: Cloud, model: GlobalModel):
     of_top, of_mean = [], []
-    for seed in range(900, 916):
+    for seed in range(900, 924):
         scene = perturb(bunny, Perturbation(noise=0.1, seed=seed))
         found = GlobalRegistration(model).run(scene.points)
         of_top.append(score(scene, found.best.T @ found.centring).rmse)
@@ -121,10 +121,10 @@ def test_repeated_points_say_nothing_new(hard: list[tuple[Scene, Posterior, Refi
         np.testing.assert_allclose(other.covariance, one.covariance, rtol=0.2, atol=1e-6)
 
 
-@pytest.mark.parametrize("points", [1205, 1700])
+@pytest.mark.parametrize("points", [1195, 1205, 1700])
 def test_of_more_points_than_are_climbed_with_the_mean_is_found_too(bunny: Cloud, model: GlobalModel, points: int):
     of_top, of_mean = [], []
-    for seed in range(6):
+    for seed in range(8):
         n = round((points - 300) / 0.5)
         scene = perturb(bunny, Perturbation(noise=0.1, points=n, incomplete=0.5, outliers=300, seed=seed))
         assert len(scene.points) == points
