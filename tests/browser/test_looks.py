@@ -63,11 +63,9 @@ def test_each_pane_shows_its_method_s_cloud_and_what_both_share(at_the_start: Ex
 def test_from_every_side_the_panes_stand_beside_each_other(at_the_start: Explorer):
     explorer = at_the_start
     see_both_panes(explorer)
-    box, mouse = box_of(explorer.canvas()), explorer.page.mouse
-    mouse.move(box["x"] + box["width"] / 2, box["y"] + 0.1 * box["height"])  # between the clouds
-    mouse.down()
-    mouse.move(box["x"] + box["width"] / 2 + 0.25 * box["height"], box["y"] + 0.1 * box["height"], steps=6)
-    mouse.up()
+    box = box_of(explorer.canvas())
+    between_the_clouds = box["x"] + box["width"] / 2, box["y"] + 0.1 * box["height"]
+    explorer.drag_on_canvas(between_the_clouds, (0.25 * box["height"], 0.0))
     explorer.wait_until("a view from the side", lambda: abs((explorer.state().camera or (0.0,))[0]) > 0.8)
     see_both_panes(explorer)
     left, right = explorer.canvas_halves()

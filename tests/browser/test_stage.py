@@ -61,16 +61,6 @@ def handle(explorer: Explorer, pane: int, along: FloatArray) -> tuple[float, flo
     return on_screen(explorer, upright(run.subject.up).apply(middle + along) + np.array([PANE_OFFSETS[pane], 0, 0]))
 
 
-def drag(explorer: Explorer, start: tuple[float, float], by: tuple[float, float]) -> None:
-    mouse = explorer.page.mouse
-    mouse.move(*start)
-    explorer.pause(100)
-    mouse.down()
-    mouse.move(start[0] + by[0], start[1] + by[1], steps=6)
-    explorer.pause(100)
-    mouse.up()
-
-
 def test_a_drag_is_one_change_however_slow(at_the_start: Explorer, monkeypatch: pytest.MonkeyPatch):
     for limit in ("AT_ONCE", "OF_ONE_HAND"):
         monkeypatch.setattr(history, limit, 0.0)  # without the hand, every value is a change
@@ -105,7 +95,7 @@ def test_a_scene_is_dragged_by_its_handle_and_brought_back(at_the_start: Explore
     explorer.pause(int(1000 * history.AT_ONCE))  # or what led here would be taken back, too
     before = explorer.state()
     at = handle(explorer, 0, ARROW)
-    drag(explorer, at, (60.0, 0.0))
+    explorer.drag_on_canvas(at, (60.0, 0.0))
     explorer.wait_until("the dragged scene", lambda: explorer.state().start != NO_START)
     state = explorer.expect_to_agree()
     ρ, φ = np.split(np.array(state.start), 2)
@@ -126,7 +116,7 @@ def test_a_view_turned_by_the_mouse_is_kept_and_reset_by_button_and_key(explorer
     explorer.wait_until("the first view", lambda: both_panes_fit(explorer))
     canvas = box_of(explorer.canvas())
     for reset in (lambda: explorer.type_key("v"), lambda: explorer.press("Reset view (V)")):
-        drag(explorer, (canvas["x"] + 20, canvas["y"] + canvas["height"] / 2), (120.0, 30.0))
+        explorer.drag_on_canvas((canvas["x"] + 20, canvas["y"] + canvas["height"] / 2), (120.0, 30.0))
         explorer.wait_until("another view", lambda: explorer.state().camera != NO_CAMERA)
         explorer.pause(SETTLING)
         assert not both_panes_fit(explorer)

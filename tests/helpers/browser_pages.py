@@ -6,17 +6,23 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, ViewportSize
 
+BETWEEN_PICTURES = 120  # milliseconds at least
+
 WITH_RESTS = """const nextFrame = requestAnimationFrame;
 const resting = [];
-window.requestAnimationFrame = draw => window.atRest ? (resting.push(draw), 0) : setTimeout(() => nextFrame(draw), 60);
+let drawn = 0;
+const drawAt = (draw, time) => { drawn = performance.now(); draw(time); };
+window.requestAnimationFrame = draw => window.atRest
+    ? (resting.push(draw), 0)
+    : setTimeout(() => nextFrame(time => drawAt(draw, time)), Math.max(0, drawn + BETWEEN - performance.now()));
 window.cancelAnimationFrame = clearTimeout;
 window.rest = atRest => {
     window.atRest = atRest;
     if (!atRest) resting.splice(0).forEach(draw => nextFrame(draw));
-};"""
+};""".replace("BETWEEN", str(BETWEEN_PICTURES))
 """A page that can rest: it is drawn no more, and costs nothing, until it is used again.
 
-It is also drawn seldom: in software, one picture after another leaves a dragging mouse no time.
+It is also drawn seldom, though at once after a pause: in software, pictures take most of a page's time.
 """
 
 WITH_PLAIN_EDGES = """const take = HTMLCanvasElement.prototype.getContext;

@@ -203,6 +203,17 @@ class Explorer(AnyExplorer):
         """Where a slider's thumb is."""
         return float(self.row(label).get_by_role("slider").get_attribute("aria-valuenow") or "nan")
 
+    def drag_on_canvas(self, start: tuple[float, float], by: tuple[float, float], *, steps: int = 6) -> None:
+        """Drag with the mouse, as fast as the canvas is drawn: of more than one place in a picture it takes one."""
+        mouse = self.page.mouse
+        mouse.move(*start)
+        self.page.evaluate(AFTER_WHAT_IS_DUE)
+        mouse.down()
+        for step in range(1, steps + 1):
+            mouse.move(start[0] + by[0] * step / steps, start[1] + by[1] * step / steps)
+            self.page.evaluate(AFTER_WHAT_IS_DUE)
+        mouse.up()
+
     def drag(self, label: str, *shares: float, steps: int = 12) -> float:
         """Drag a slider's thumb with the mouse to shares of its track, one after another; where it ends."""
         thumb = self.row(label).get_by_role("slider")

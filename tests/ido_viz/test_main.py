@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from ido_viz import command
-from ido_viz.__main__ import INTERRUPTED
+from ido_viz.__main__ import INTERRUPTED, main
 from ido_viz.command import OPEN_TO_ALL, OPEN_WITH_TOKEN
 
 
@@ -38,6 +38,17 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
 @pytest.mark.usefixtures("interrupted_when_it_stands")
 def test_ctrl_c_while_the_browser_is_opened_ends_it_quietly(monkeypatch: pytest.MonkeyPatch):
     assert run(monkeypatch, "--port", "0") == 0
+
+
+def test_a_compiled_module_that_turns_ctrl_c_into_an_import_error_ends_it_as_quietly(monkeypatch: pytest.MonkeyPatch):
+    def run_into(cause: BaseException) -> None:
+        raise ImportError("initialization failed") from cause
+
+    monkeypatch.setattr(command, "run", lambda: run_into(KeyboardInterrupt()))
+    assert main() == INTERRUPTED
+    monkeypatch.setattr(command, "run", lambda: run_into(OSError("no such library")))
+    with pytest.raises(ImportError, match="initialization failed"):
+        main()
 
 
 @pytest.mark.usefixtures("default_interrupts")
