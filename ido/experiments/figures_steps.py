@@ -25,7 +25,6 @@ HISTOGRAM_STEPS = (1, 5, 10, None)
 CLOUD_STEPS = (0, 5, None)
 """Iterations whose clouds are shown."""
 
-_BLOCK_COLORS = ("#E69F00", "#56B4E9", "#CC79A7")  # as in the explorer
 _OUTLIER_COLOR, _TRUE_COLOR, _MODEL_COLOR = "#be8cb6", "#009E73", "#b4b4b4"
 _REACH = 2.1  # of the picture from its centre, model units
 _TOP = 2.2  # of the histograms' axis; the reference line of each block peaks at 1
@@ -80,7 +79,8 @@ def _draw_histogram(ax: Axes, maps: Maps, histogram: FloatArray) -> None:
     dots = (histogram.reshape(n_blocks, -1) / tops).reshape(-1)[order]
     line = (reference / tops).reshape(-1)[order]
     bins = np.arange(dots.size)
-    for part, color in zip(np.split(bins, n_blocks), _BLOCK_COLORS, strict=False):
+    for part, block in zip(np.split(bins, n_blocks), maps.histogram.blocks, strict=True):
+        color = np.array(block.color) / 255 if block.color else INK
         ax.plot(part, np.minimum(dots[part], _TOP), ".", color=color, markersize=2.5, rasterized=True)
     for side in np.split(bins, 2 * n_blocks):
         ax.plot(side, line[side], color=INK, linewidth=2)

@@ -68,12 +68,22 @@ class Inside:
         return 2 * block * count + self.point, (2 * block + 1) * count + self.point
 
     @property
+    def counts(self) -> DoubleArray:
+        """How much each scene point counts for the question, the nearest to the model point first, shape (S,)."""
+        nearest_first = self.inspection.moved[np.argsort(self._away)]
+        return self.question.of_point(self.inspection.side.histogram.model, self.point, nearest_first)[1]
+
+    @property
     def asked(self) -> tuple[BoolArray, DoubleArray]:
         """What the point says of every scene point, and how much each counts, as far as they have been asked: (S,)."""
         first, counts = self.question.of_point(self.inspection.side.histogram.model, self.point, self.inspection.moved)
-        away = np.linalg.norm(self.inspection.moved - self.inspection.side.histogram.model.points[self.point], axis=1)
         share = self.share if self.beat == 1 else 1.0
-        return first, np.where(np.argsort(np.argsort(away)) < share * len(away), counts, 0.0)
+        return first, np.where(np.argsort(np.argsort(self._away)) < share * len(counts), counts, 0.0)
+
+    @property
+    def _away(self) -> FloatArray:
+        """How far every scene point is from the model point, shape (S,), model units."""
+        return np.linalg.norm(self.inspection.moved - self.inspection.side.histogram.model.points[self.point], axis=1)
 
     @property
     def motion(self) -> tuple[FloatArray, FloatArray]:

@@ -75,10 +75,19 @@ def _asks(inside: Inside, dark: bool) -> tuple[str, str]:
     questions = inside.inspection.side.histogram.questions
     which = f", question {questions.index(inside.question) + 1} of {len(questions)}" if len(questions) > 1 else ""
     return (
-        f"One model point, the yellow one (number {inside.point}), asks every scene point near it{which}: "
+        f"One model point, the yellow one (number {inside.point}), asks every scene point{which}: "
         f"<b>{html.escape(inside.question.first)}</b> or <b>{html.escape(inside.question.second)}</b>?",
-        picture + '<text x="10" y="104">The nearer a point is, the more it counts, and the stronger its colour.</text>',
+        f'{picture}<text x="10" y="104">{_how_they_count(inside)}</text>',
     )
+
+
+def _how_they_count(inside: Inside) -> str:
+    counts = inside.counts
+    if np.ptp(counts) == 0:
+        return "Every point counts the same, near or far."
+    if (np.diff(counts) <= 1e-9).all():
+        return "The nearer a point is, the more it counts, and the stronger its colour."
+    return "The more a point counts, the stronger its colour."
 
 
 def _fills(inside: Inside, dark: bool) -> tuple[str, str]:

@@ -11,8 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 
+from ido import Cloud, Perturbation, perturb
 from ido.bin_order import bin_order
 from ido.experiments import LEVELS, Results, gallery, mean_and_interval
 from ido.experiments.beyond import ALL_LEVELS, BEYOND
@@ -20,6 +22,7 @@ from ido.experiments.estimates import Costs, estimate, sweep_estimate
 from ido.experiments.families import COMPARED_METHODS, FAMILIES
 from ido.experiments.figures_learning import training_figure
 from ido.experiments.figures_reliability import reliability_figure
+from ido.experiments.figures_steps import histograms_figure
 from ido.experiments.figures_sweeps import settings_figure, sweeps_figure
 from ido.experiments.paper import PAPER_METHODS, PAPER_TABLES, ROW_NAMES, PaperTable
 from ido.experiments.reliability import Reliability, wilson
@@ -503,6 +506,16 @@ def test_training_curves_show_the_files_errors():
     np.testing.assert_allclose(_mean_line(figure.axes[0].lines), improved.curves.mean)
     np.testing.assert_allclose(_mean_line(figure.axes[1].lines), do.curves.mean)
     assert len(figure.axes[3].lines) == do.curves.residuals.shape[1] + 3
+
+
+def test_every_block_s_bins_are_drawn_in_its_colour_however_many_there_are(bunny: Cloud):
+    do, four = shipped_maps("bunny", "front-back"), shipped_maps("bunny", "quadruple-binary")
+    figure = histograms_figure(do, four, perturb(bunny, Perturbation(points=100, outliers=0)))
+    for maps, ax in ((do, figure.axes[0]), (four, figure.axes[1])):
+        drawn = [to_rgb(line.get_color()) for line in ax.lines if line.get_marker() == "."]
+        assert drawn == [tuple(value / 255 for value in block.color or ()) for block in maps.histogram.blocks]
+        dots = np.concatenate([line.get_xdata() for line in ax.lines if line.get_marker() == "."])
+        np.testing.assert_array_equal(dots, np.arange(maps.histogram.reference.size))
 
 
 def _mean_line(lines: Sequence[Line2D]) -> np.ndarray:

@@ -119,6 +119,35 @@ def test_every_beat_has_a_sentence_and_a_picture_of_finite_numbers(run: Run, pos
     assert len(content) < 30_000
 
 
+@pytest.mark.parametrize(
+    ("right", "question", "said"),
+    [
+        ("Improved DO", "front / back", "The nearer a point is, the more it counts"),
+        ("Improved DO", "up / down", "Every point counts the same, near or far."),
+        ("Improved DO", "clockwise / anticlockwise", "Every point counts the same, near or far."),
+        ("Improved DO (near / far)", "near / far", "The nearer a point is, the more it counts"),
+    ],
+)
+def test_the_first_beat_says_how_the_points_of_each_question_count(right: str, question: str, said: str):
+    state = replace(STATE, right=right, inspected_pane="right", question=question)
+    inside = at(compute(state, shipped_library()), 0.5, right=right, question=question, inspected_pane="right").inside
+    assert inside is not None and f"{inside.question.first} / {inside.question.second}" == question
+    assert said in inside_html(inside, False)
+
+
+def test_of_points_that_count_by_no_rule_of_distance_none_is_told(run: Run, monkeypatch: pytest.MonkeyPatch):
+    inside = at(run, 0.5, question="up / down").inside
+    assert inside is not None
+
+    def some(points: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        return np.tile(np.arange(len(moved)) % 3 / 2, (len(points), 1))
+
+    monkeypatch.setattr(type(inside.question), "weights", lambda _, points, moved: some(points, moved))
+    content = inside_html(inside, False)
+    assert "The more a point counts, the stronger its colour." in content
+    assert "near" not in content
+
+
 def test_all_bins_have_the_colours_of_their_blocks(run: Run):
     inside = at(run, 2.99).inside
     assert inside is not None
