@@ -23,9 +23,13 @@ SLOW = Turns(os.cpu_count() or 1)
 _TELL = 0.25  # seconds between two tellings of how far it is
 
 
+class Waiting(str):
+    """What work that waits for its turn reports: how many come before it."""
+
+
 def in_turn(turns: Turns, report: Report) -> AbstractContextManager[None]:
     """Work that waits for its turn, and tells how many come before; what the report raises gives it up."""
-    return turns.turn(lambda before: report(f"waiting, {before} before it"))
+    return turns.turn(lambda before: report(Waiting(f"waiting, {before} before it")))
 
 
 class CancelledError(Exception):

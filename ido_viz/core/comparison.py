@@ -12,7 +12,7 @@ import numpy as np
 
 from ido import Method, Scene, score
 from ido.registration import Watch
-from ido_viz.core.background import SLOW, CancelledError, Job, Report, in_turn
+from ido_viz.core.background import SLOW, CancelledError, Job, Report, Waiting, in_turn
 from ido_viz.core.library import Library
 from ido_viz.core.run import make_scene, scene_inputs
 from ido_viz.core.state import State
@@ -71,7 +71,7 @@ class Comparison:
     def waiting(self) -> str:
         """That it waits for other pages' work, and for how much; empty if it does not."""
         progress = self._job.progress if self._job is not None and self.running else ""
-        return progress if progress.startswith("waiting") else ""
+        return progress if isinstance(progress, Waiting) else ""
 
     def fits(self, state: State) -> bool:
         """Whether the rows are of the state's scene."""

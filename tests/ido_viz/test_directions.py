@@ -34,6 +34,27 @@ MAY_IMPORT = {
 
 WITHOUT_VISER = ("core",)
 
+METHOD_ROWS = (
+    ("types", "console", "one_thread"),
+    ("poses", "clouds", "compiling", "kernels"),
+    ("disk", "npz", "files"),
+    ("perturbation",),
+    ("blocks",),
+    ("histograms", "bin_order"),
+    ("maps",),
+    ("folding", "training", "registration", "scores", "attribution"),
+    ("baselines", "peers"),
+    ("recording", "results"),
+    ("shipped",),
+    ("global_registration",),
+    ("extensions", "methods"),
+    ("experiments",),
+    ("arguments", "user_units", "quality", "scans", "global_scans", "scan_folder"),
+    ("registering", "cli"),
+    ("__init__",),
+)
+"""The modules and packages of `ido`, from the ground up: each imports only from its row and those before."""
+
 
 def modules(folder: Path) -> dict[str, Path]:
     """Each module by its name within the package, such as ``core.state``."""
@@ -68,19 +89,37 @@ def test_the_rooms_are_those_that_there_are_and_none_lies_above_what_it_imports(
     assert all(order.index(below) < order.index(room) for room, its in MAY_IMPORT.items() for below in its)
 
 
+def test_the_method_s_modules_import_only_from_their_row_and_those_before():
+    row = {name: number for number, names in enumerate(METHOD_ROWS) for name in names}
+    assert set(row) == {name.split(".")[0] for name in modules(METHOD)}
+    for name, path in modules(METHOD).items():
+        below = {found.split(".")[1] for found in imports(path) if found.startswith("ido.")}
+        for other in below & set(row):
+            assert row[other] <= row[name.split(".")[0]], f"{name} imports {other}"
+
+
+def imported_modules(folder: Path) -> dict[str, set[str]]:
+    """What each module of a package imports of it; a name that a package hands on is of that package's `__init__`."""
+    known = {f"{folder.name}.{name}".removesuffix(".__init__"): path for name, path in modules(folder).items()}
+
+    def module_of(name: str) -> str:
+        while name and name not in known:
+            name = name.rpartition(".")[0]
+        return name
+
+    return {name: {module_of(found) for found in imports(path)} - {name, ""} for name, path in known.items()}
+
+
+def test_a_name_that_a_package_hands_on_counts_as_an_import_of_it():
+    edges = imported_modules(METHOD)
+    assert "ido.files" in edges["ido.arguments"]
+    assert "ido.registration" in edges["ido"]
+    assert "ido" not in set().union(*edges.values())
+
+
 @pytest.mark.parametrize("folder", [METHOD, EXPLORER], ids=lambda folder: folder.name)
 def test_no_module_imports_itself_through_others(folder: Path):
-    known = modules(folder)
-    edges = {
-        name: {
-            other
-            for found in imports(path)
-            for other in known
-            if found in (f"{folder.name}.{other}", f"{folder.name}.{other}.{found.split('.')[-1]}") and other != name
-        }
-        for name, path in known.items()
-        if not name.endswith("__init__")
-    }
+    edges = imported_modules(folder)
     done: set[str] = set()
 
     def visit(name: str, way: tuple[str, ...]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
@@ -16,9 +17,11 @@ from ido.baselines import Nothing
 from ido.baselines.baseline import Record
 from ido.methods import BASELINES
 from ido.types import DoubleArray
+from ido_viz.core import comparison as comparison_module
 from ido_viz.core.library import shipped_library
 from ido_viz.core.run import compute
 from ido_viz.core.state import State
+from ido_viz.core.turns import Turns
 from ido_viz.panels.compare_tab import COLUMNS, SORTS, Comparison, Row, head_html, label
 
 ROWS = (
@@ -57,6 +60,32 @@ def test_cancelling_leaves_the_rows_that_are_there(seen: Seen) -> None:
     comparison.cancel()
     seen.wait(lambda: not comparison.running)
     assert 2 <= len(comparison.rows) < len(comparison.methods)
+
+
+def test_it_tells_that_it_waits_for_its_turn_and_nothing_else_that_work_reports(
+    seen: Seen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    turns = Turns(1)
+    monkeypatch.setattr(comparison_module, "SLOW", turns)
+    comparison = Comparison(shipped_library(), seen)
+    with turns.turn():
+        comparison.begin(PAUSED)
+        seen.wait(lambda: comparison.waiting == "waiting, 1 before it")
+        comparison.cancel()
+    seen.wait(lambda: not comparison.running)
+    assert comparison.waiting == ""
+
+    told: list[str] = []
+
+    def talk(_method: object, _scene: object, report: Callable[[str], None]) -> Row:
+        report("waiting for the compiler")
+        told.append(comparison.waiting)
+        return ROWS[0]
+
+    monkeypatch.setattr(comparison_module, "measured", talk)
+    comparison.begin(PAUSED)
+    seen.wait(lambda: not comparison.running)
+    assert set(told) == {""}
 
 
 def test_a_new_comparison_takes_the_place_of_the_one_under_way(seen: Seen) -> None:
