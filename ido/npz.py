@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -81,13 +81,19 @@ def read_arrays(path: str | Path, error: type[ValueError], kind: str, remedy: st
     if not zipfile.is_zipfile(path):
         raise error(f"{path.name}: not {kind}, or cut off; {remedy}")
     try:
-        size = sum(array.size for array in promises(path).values())
+        found = promises(path)
+        size = sum(array.size for array in found.values())
         if size > MOST_BYTES:
             raise ValueError(f"it would unpack to {size / 1e9:.1f} GB")
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
+        return loaded(path, found)
     except Exception as reason:  # zlib, zipfile and NumPy each raise their own
         raise error(f"{path.name}: damaged ({reason}); {remedy}") from reason
+
+
+def loaded(path: Path, names: Iterable[str]) -> dict[str, np.ndarray]:
+    """Some arrays of a file; `promises` says before how large they are."""
+    with np.load(path, allow_pickle=False) as file:
+        return {name: file[name] for name in names}
 
 
 def packed(arrays: Mapping[str, np.ndarray]) -> bytes:

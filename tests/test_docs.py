@@ -93,6 +93,21 @@ def test_every_equation_is_named_by_a_docstring():
     assert named == set(EQUATIONS)
 
 
+def test_every_step_from_any_start_is_named_by_what_does_it_and_every_source_by_a_step():
+    text = (DOCS / "global.md").read_text(encoding="utf-8")
+    steps, listed = text.split("## Sources")
+    equations = {int(n) for found in re.findall(r"\(Eq\. (\d+(?: and \d+)?)\)", steps) for n in found.split(" and ")}
+    named: set[int] = set()
+    for path in sources():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+                for found in re.findall(r"docs/global\.md,\s+Eq\. (\d+(?: and \d+)?)", ast.get_docstring(node) or ""):
+                    named |= {int(number) for number in found.split(" and ")}
+    assert named == equations == set(range(1, len(equations) + 1))
+    cited = {int(n) for found in re.findall(r"\[(\d(?:, \d)*)\]", steps) for n in found.split(", ")}
+    assert cited == {int(number) for number in re.findall(r"^(\d+)\. ", listed, re.MULTILINE)}
+
+
 def test_sections_that_the_code_names_exist():
     for path in sources():
         for section in re.findall(r'docs/method\.md, "(.*?)"', path.read_text(encoding="utf-8")):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ido.clouds import CloudError
 from ido.files.cloud_file import CloudFile, check_count, single
-from ido.npz import Promise, promise, promises
+from ido.npz import Promise, loaded, promise, promises
 
 
 def read_npy(path: Path) -> CloudFile:
@@ -47,14 +47,15 @@ def read_npz(path: Path) -> CloudFile:
     if len(clouds) != 1:
         raise CloudError("an NPZ needs an array 'points' of shape (N, 3)")
     _check(found[clouds[0]], _is_cloud(found[clouds[0]]))
-    with np.load(path, allow_pickle=False) as arrays:
-        points = np.asarray(arrays[clouds[0]], dtype=np.float64)
-        columns = {
-            name: arrays[name]
-            for name, array in found.items()
-            if name != clouds[0] and array.shape[:1] == (len(points),) and array.dtype.kind in "fiub"
-        }
-    return CloudFile(points, single(columns))
+    rows = found[clouds[0]].shape[:1]
+    columns = [
+        name
+        for name, array in found.items()
+        if name != clouds[0] and array.shape[:1] == rows and array.dtype.kind in "fiub"
+    ]
+    arrays = loaded(path, [*clouds, *columns])
+    points = np.asarray(arrays.pop(clouds[0]), dtype=np.float64)
+    return CloudFile(points, single(arrays))
 
 
 def _is_cloud(array: Promise) -> bool:

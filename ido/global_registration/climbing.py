@@ -38,7 +38,7 @@ class Climb:
 
 
 def climb(points: FloatArray, background: Background, field: Field, T: DoubleArray, steps: int) -> Climb:
-    """Climb from poses T (n, 4, 4) by so many steps on one field, for points (S, 3)."""
+    """Climb from poses T (n, 4, 4) by so many steps on one field, for points (S, 3); docs/global.md, Eq. 4 and 5."""
     points = np.ascontiguousarray(points, dtype=np.float32)
     track = np.tile(np.eye(4), (len(T), steps + 1, 1, 1))
     track[:, 0] = T
@@ -72,7 +72,10 @@ def climb_all(
     shares: DoubleArray,
     log_likelihood: DoubleArray,
 ) -> None:
-    """`numbers` are reach, step, σ² and the factor of a step; fills `track`, `shares` and `log_likelihood`."""
+    """What `climb` does (docs/global.md, Eq. 4 and 5), compiled: fills `track`, `shares` and `log_likelihood`.
+
+    `numbers` are reach, step, σ² and the factor of a step.
+    """
     reach, step, sigma2, over = numbers
     n, last = density.shape[0], track.shape[1] - 1
     inverse = np.float32(1 / step)

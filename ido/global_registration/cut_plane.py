@@ -49,7 +49,7 @@ class Refined:
 
 
 def refine(posterior: Posterior, T: DoubleArray, *, cut: bool) -> Refined:
-    """Climb to the top from a pose near it, by quasi-Newton steps (BFGS) on pose and plane.
+    """Climb to the top from a pose near it, by quasi-Newton steps (BFGS) on pose and plane (docs/global.md, Eq. 6).
 
     Args:
         posterior: the scene's.
@@ -76,7 +76,7 @@ def refine(posterior: Posterior, T: DoubleArray, *, cut: bool) -> Refined:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Posterior:
-    """The likelihood of a scene at a pose and a plane.
+    """The likelihood of a scene at a pose and a plane (docs/global.md, Eq. 6).
 
     Args:
         points: the scene, shape (S, 3), float32, model units.
@@ -131,7 +131,7 @@ class Posterior:
 
 
 def odds_of(background: Background, field: Field, shares: DoubleArray, moved: FloatArray) -> DoubleArray:
-    """How much likelier each point is of the model than of the outliers, without a plane.
+    """How much likelier each point is of the model than of the outliers, without a plane (docs/global.md, Eq. 4).
 
     Args:
         background: of the scene.
@@ -160,8 +160,9 @@ def plane_likelihood(
     offset: float,
     gradient: DoubleArray,
 ) -> float:
-    """Mean log-likelihood of points (S, 3) at a pose and a plane; `gradient` (10,) is filled as `Posterior` says.
+    """Mean log-likelihood of points (S, 3) at a pose and a plane (docs/global.md, Eq. 6).
 
+    `gradient` (10,) is filled as `Posterior` says.
     `numbers` are reach, step, uniform density, shares of model and ball, softness of the plane and of the model there.
     """
     reach, step, uniform, model_share, ball_share, soft, model_soft = numbers

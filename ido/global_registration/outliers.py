@@ -22,7 +22,7 @@ _MOST = 600  # points that a ball is fitted to
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Background:
-    """The densities that a scene's outliers are drawn from.
+    """The densities that a scene's outliers are drawn from (docs/global.md, Eq. 2).
 
     Args:
         uniform: of outliers scattered evenly, per cubic model unit.
@@ -96,7 +96,7 @@ def _dense_places(points: DoubleArray) -> DoubleArray:
 def fit_ball(
     points: DoubleArray, stride: int, centre: DoubleArray, largest: float, uniform: float, out: DoubleArray
 ) -> tuple[float, float]:
-    """Expectation maximisation of a round Gaussian, a Gaussian of any shape and a uniform density.
+    """Expectation maximisation of a round Gaussian, one of any shape and a uniform density (docs/global.md, Eq. 2).
 
     Args:
         points: shape (S, 3).

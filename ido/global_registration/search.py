@@ -25,7 +25,7 @@ _BATCH = 32  # rotations at a time, whose transforms stay in the processor's cac
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """The turned models' transforms, made once for a model.
+    """The turned models' transforms, made once for a model (docs/global.md, Eq. 3).
 
     Args:
         rotations: R of T_model_scene, shape (n, 3, 3).

@@ -27,7 +27,7 @@ _WIDEST = 0.15  # deviation that a curvature is believed to mean, at most (rad, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spread:
-    """Where the pose of a scene may be.
+    """Where the pose of a scene may be (docs/global.md, Eq. 7).
 
     Args:
         motion: from the top of the likelihood to its mean: shift (model units) and turn (rad) in the model's frame, as
@@ -103,7 +103,8 @@ class _Around:
 
 
 def drawn_steps(rng: np.random.Generator, shape: DoubleArray) -> DoubleArray:
-    """Steps (_PAIRS, n) from the Student t distribution about zero that has a scale matrix (n, n).
+    """Steps (_PAIRS, n) from the Student t distribution about zero that has a scale matrix (n, n);
+    the q of docs/global.md, Eq. 7.
 
     As `scipy.stats.multivariate_t` draws them, which takes a quarter of a second to import.
     """
@@ -112,7 +113,9 @@ def drawn_steps(rng: np.random.Generator, shape: DoubleArray) -> DoubleArray:
 
 
 def log_densities(steps: DoubleArray, shape: DoubleArray) -> DoubleArray:
-    """Logarithms (m,) of that distribution's density at steps (m, n), but for a constant, which is in all weights."""
+    """Logarithms (m,) of that distribution's density at steps (m, n), but for a constant, which is in all weights;
+    the q of docs/global.md, Eq. 7.
+    """
     squares = np.einsum("ij,ji->i", steps, np.linalg.solve(shape, steps.T))
     return -(_TAILS + len(shape)) / 2 * np.log1p(squares / _TAILS)
 

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import numpy as np
-
 from ido import MapsError
-from ido.npz import MOST_BYTES, promises
+from ido.npz import MOST_BYTES, loaded, promises
 from ido_viz.core.library import Subject
 from ido_viz.own.card import Card
 from ido_viz.own.draft import LONGEST_NAME, UPS
@@ -224,8 +222,7 @@ def _head(path: Path) -> Head:
     try:
         if promises(path)["kept"].size > 10_000:
             raise MapsError("its head is too long")
-        with np.load(path, allow_pickle=False) as file:
-            return Head.of({"kept": file["kept"]})
+        return Head.of(loaded(path, ["kept"]))
     except MapsError:
         raise
     except Exception as error:  # zlib, zipfile and NumPy each raise their own
