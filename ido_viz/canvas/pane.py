@@ -16,6 +16,7 @@ from ido_viz.canvas.model_view import ModelView
 from ido_viz.canvas.placed import Echo, PlacedFrame
 from ido_viz.canvas.race_view import RaceView
 from ido_viz.core import palette
+from ido_viz.core.caption import Caption
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.geometry import error_vectors, quaternion, track_of, upright
 from ido_viz.core.inside import Inside
@@ -23,7 +24,6 @@ from ido_viz.core.inspection import Inspection
 from ido_viz.core.palette import Color
 from ido_viz.core.run import MethodRun
 from ido_viz.core.state import BEATS, NO_POINT
-from ido_viz.core.wording import progress_line
 
 PANE_OFFSETS = (-1.17, 1.17)
 """Of each pane's centre, to the right of the middle between them, model units."""
@@ -143,7 +143,7 @@ class PaneView:
             )  # or they hide the point that is asked
         if self._label is not None:
             self._label.font_screen_scale = 1.3 if state.large_text else 1.0
-            self._label.text = _title(side, with_scores="scores" not in state.hidden)
+            self._label.text = _title(side.caption)
 
     def move(self, side: SideFrame) -> None:
         """Move the scene to the pose of a side, and nothing else."""
@@ -232,10 +232,5 @@ def answer_colors(first: BoolArray, counts: FloatArray, color: Color, dark: bool
     return np.rint(faint + (full - faint) * counts[:, None]).astype(np.uint8)
 
 
-def _title(side: SideFrame, *, with_scores: bool) -> str:
-    lines = [side.run.method, progress_line(side)]
-    if with_scores:
-        lines += [f"PointRMSE {side.rmse:.3f}", f"PointAcc {side.accuracy:.2f}"]
-    if side.overlay is not None:
-        lines.append(f"with {side.overlay.title}")
-    return "\n".join(lines)
+def _title(caption: Caption) -> str:
+    return "\n".join(filter(None, (caption.method, caption.progress, *caption.scores, caption.overlay)))

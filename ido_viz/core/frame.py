@@ -10,6 +10,7 @@ from ido import Question, poses
 from ido.bin_order import bin_order
 from ido.scores import registered
 from ido.types import BoolArray, FloatArray
+from ido_viz.core.caption import Caption, caption_of
 from ido_viz.core.inside import Inside, inside_of
 from ido_viz.core.inspection import Inspection, inspect, inspected_number
 from ido_viz.core.overlay import Overlay, overlay_of
@@ -36,6 +37,7 @@ class SideFrame:
         inspection: what it sees and makes of it; None for a method without maps.
         overlay: what is laid over it; None for nothing.
         verdict: how it stands.
+        caption: what is written of it.
     """
 
     pane: int
@@ -51,6 +53,7 @@ class SideFrame:
     inspection: Inspection | None
     overlay: Overlay | None
     verdict: Verdict
+    caption: Caption
 
     def on_the_way(self, share: float) -> SideFrame:
         """The same with the scene a share of the way to the next pose."""
@@ -153,6 +156,7 @@ def _side_frame(run: Run, state: State, iteration: int, pane: int) -> SideFrame:
     k = side.clipped(iteration)
     inspection = inspect(run, state, iteration, pane)
     contribution = None if inspection is None else inspection.values
+    overlay, verdict = overlay_of(run, state, iteration, pane), side.verdict(k)
     return SideFrame(
         pane=pane,
         run=side,
@@ -165,8 +169,9 @@ def _side_frame(run: Run, state: State, iteration: int, pane: int) -> SideFrame:
         shown_map=_shown_map(side, state, iteration),
         marked=_marked(run, state, side),
         inspection=inspection,
-        overlay=overlay_of(run, state, iteration, pane),
-        verdict=side.verdict(k),
+        overlay=overlay,
+        verdict=verdict,
+        caption=caption_of(side, k, overlay, verdict, state),
     )
 
 

@@ -20,7 +20,7 @@ from ido_viz.core.pacing import Pacing
 from ido_viz.core.palette import Color
 from ido_viz.core.run import Run
 from ido_viz.core.state import State
-from ido_viz.core.wording import progress_line, scene_line
+from ido_viz.core.wording import scene_line
 from ido_viz.files.projection import Dots, View
 
 SIZE = (1280, 720)
@@ -132,12 +132,12 @@ class _Slide:
 
     def _title(self, page: ImageDraw.ImageDraw, side: SideFrame) -> None:
         middle, room = (side.pane + 0.5) * _WIDTH, _WIDTH - 40
-        shown = progress_line(side) + ("" if side.overlay is None else f", with {side.overlay.title}")
-        self._text(page, (middle, 34), side.run.method, 34 * self._larger, f"method {side.pane}", room, bold=True)
+        caption = side.caption
+        shown = ", ".join(filter(None, (caption.progress, caption.overlay)))
+        self._text(page, (middle, 34), caption.method, 34 * self._larger, f"method {side.pane}", room, bold=True)
         self._text(page, (middle, 73), shown, 21 * self._larger, "ink", room)
-        if "scores" not in self._state.hidden:
-            scores = f"PointRMSE {side.rmse:.3f}  ·  PointAcc {side.accuracy:.2f}"
-            self._text(page, (middle, 102), scores, 21 * self._larger, "ink", room)
+        if caption.scores:
+            self._text(page, (middle, 102), "  ·  ".join(caption.scores), 21 * self._larger, "ink", room)
 
     def _text(
         self,

@@ -10,7 +10,7 @@ from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.legend import legend_html
 from ido_viz.core.verdict import Verdict
-from ido_viz.core.wording import one_line, progress_line
+from ido_viz.core.wording import one_line
 from ido_viz.panels.sureness import sureness_html
 
 _SIGNS = {
@@ -106,13 +106,13 @@ def _opening_html(frame: Frame) -> str:
 def _name_html(side: SideFrame, frame: Frame) -> str:
     dark = frame.state.dark
     color = palette.css(palette.text(palette.method_color(side.run.method, dark), dark))
-    progress, over = progress_line(side), ""
-    if side.overlay is not None:  # there is little room
-        progress, over = progress.removeprefix("iteration "), f", with {side.overlay.title}"
+    written = side.caption.progress
+    if side.caption.overlay:  # there is little room
+        written = f"{written.removeprefix('iteration ')}, {side.caption.overlay}"
     return (
-        f'<b style="font-size:1.15rem;color:{color}">{html.escape(one_line(side.run.method))}</b><br>'
+        f'<b style="font-size:1.15rem;color:{color}">{html.escape(one_line(side.caption.method))}</b><br>'
         f'<span style="font-size:0.8rem;color:{palette.css(palette.ink(dark))}">'
-        f"{html.escape(progress + over)}</span>"
+        f"{html.escape(written)}</span>"
     )
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.run import MethodRun
-from ido_viz.core.wording import stop_line
 
 ROWS = (
     "Iteration",
@@ -57,7 +56,7 @@ def _cells(side: SideFrame) -> tuple[str, ...]:
         f"{side.rmse:.4f}",
         f"{scores.rotation[k]:.2f}°",
         f"{scores.translation[k]:.4f}",
-        stop_line(side),
+        side.caption.stop,
     )
 
 

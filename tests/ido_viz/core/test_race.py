@@ -14,7 +14,6 @@ from ido_viz.core.library import shipped_library
 from ido_viz.core.race import FADING, Race, fan_of
 from ido_viz.core.run import compute
 from ido_viz.core.state import LAST, State
-from ido_viz.core.wording import progress_line
 
 STRUCTURED = Perturbation(rotation=140.0, outliers=200, outlier_kind="structured", seed=2)
 
@@ -95,8 +94,8 @@ def test_the_page_shows_the_method_with_its_race_and_how_sure_it_is():
     assert right.trajectory.iterations == right.race.steps + 2
     assert 0 < right.confidence.probability < 1
     assert right.maps is None
-    assert progress_line(frame_of(run, replace(state, iteration=1)).sides[1]).endswith("360 starts")
-    assert progress_line(frame_of(run, state).sides[0]).endswith(f"of {left.trajectory.iterations}")
+    assert frame_of(run, replace(state, iteration=1)).sides[1].caption.progress.endswith("360 starts")
+    assert frame_of(run, state).sides[0].caption.progress.endswith(f"of {left.trajectory.iterations}")
 
 
 @pytest.mark.parametrize("shape", ["bunny", "urban"])
