@@ -50,6 +50,7 @@ class Controls:
         """What a lecturer can hide."""
         with self._part(gui, "scene"):
             self._scene(gui, state)
+            self._reach = gui.add_html("")
         with self._part(gui, "scores"):
             self._readout = gui.add_html(PREPARING)
         tabs = gui.add_tab_group()
@@ -101,8 +102,6 @@ class Controls:
                 marks=((kind(getattr(paper, name)), f"{getattr(paper, name):g}"),),
                 hint=_HINTS[name] + " The mark is the paper's default.",
             )
-
-        self._reach = gui.add_html("")
 
     def _draw_of_scene(self, gui: viser.GuiApi, state: State, actions: Actions) -> None:
         self._inputs["outlier_kind"] = gui.add_dropdown(
