@@ -62,7 +62,7 @@ class BrowserPages:
 
 
 def new_page(browser: Browser, *, draws: bool = False, **options: Any) -> Page:
-    """A new page that can rest, and whose 3D scene is drawn or not; if not, with few pixels: all stands in its place."""
+    """A new page that can rest; where its 3D scene is not drawn, it has few pixels, with all in the same place."""
     page = browser.new_page(device_scale_factor=1.0 if draws else 0.5, **options)
     page.add_init_script(WITH_RESTS)
     page.add_init_script(WITH_PLAIN_EDGES)
