@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
+import time
 from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
@@ -33,6 +34,7 @@ from ido_viz.teach.presets import presets
 AWAY = 120.0
 """Seconds that a session is kept after its connection went."""
 
+_LONGEST_GOODBYE = 1.0  # seconds in which a page that is reloaded is noticed to have left
 _LONGEST_FRAME = 5.0  # seconds that a page which is reloaded in mid-frame waits for its end
 
 _SHORTEST_NAME = 20
@@ -134,6 +136,7 @@ class App:
             await asyncio.to_thread(self._workshop.shelf.look_again)  # another page's cloud may just be written
         state, step, complaint = self._asked(request)
         name, address = _name(request), self._shown_address(request)
+        await self._left(name)
         session = self._away.take(name)
         if session is not None and await asyncio.to_thread(session.ends_within, _LONGEST_FRAME):
             session.come_back(client, state, address, step)
@@ -150,6 +153,18 @@ class App:
         session.start()
         if complaint:
             client.add_notification("This address cannot be used", complaint, color="red", auto_close_seconds=15.0)
+
+    async def _left(self, name: str) -> None:
+        """Wait for the end of a page that is reloaded: a busy server notices it after the new beginning.
+
+        A tab that was duplicated has the same name, and its first one stays; it is not waited for longer.
+        """
+        deadline = time.monotonic() + _LONGEST_GOODBYE
+        while name and time.monotonic() < deadline:
+            with self._lock:
+                if name not in self._names.values():
+                    return
+            await asyncio.sleep(0.02)
 
     def _asked(self, request: Request) -> tuple[State, str, str]:
         """The state and the lesson's step that a page's address asks for, and what is wrong with it, if anything."""

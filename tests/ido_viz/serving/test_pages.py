@@ -12,6 +12,7 @@ from typing import Any
 from urllib.parse import quote
 
 import pytest
+import viser
 from headless import PROTOCOL, HeadlessTab, run
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
@@ -125,6 +126,44 @@ def test_a_page_that_is_reloaded_while_the_server_is_at_work_finds_its_session(a
         assert found == [session]
 
     run(reload())
+
+
+def test_a_page_whose_end_is_noticed_after_its_new_beginning_finds_its_session(monkeypatch: pytest.MonkeyPatch):
+    at_once = App._close
+
+    async def late(self: App, client: viser.ClientHandle) -> None:
+        await asyncio.sleep(0.3)
+        await at_once(self, client)
+
+    monkeypatch.setattr(App, "_close", late)
+    app = App(BEGIN, port=0)
+
+    async def reload() -> None:
+        tab = HeadlessTab(f"{app.url}/?page={'e' * 32}")
+        await tab.open()
+        (session,) = app._sessions.values()
+        await tab.close()
+        again = HeadlessTab(f"{app.url}/?page={'e' * 32}")
+        await again.open()
+        assert list(app._sessions.values()) == [session]
+        await again.close()
+
+    try:
+        run(reload())
+    finally:
+        app.stop()
+
+
+def test_a_tab_that_was_duplicated_has_a_session_of_its_own_beside_the_first(app: App):
+    async def duplicate() -> None:
+        tabs = [HeadlessTab(f"{app.url}/?page={'f' * 32}") for _ in range(2)]
+        for tab in tabs:
+            await tab.open()
+        assert len(set(app._sessions.values())) == 2
+        for tab in tabs:
+            await tab.close()
+
+    run(duplicate())
 
 
 def test_a_page_that_is_left_in_mid_frame_leaves_no_warning(
