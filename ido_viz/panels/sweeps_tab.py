@@ -49,41 +49,41 @@ class SweepsTab:
 
     def draw(self, state: State) -> None:
         """Draw what is chosen, of the state's shape."""
-        look = self._looks(state)
-        if look == self._look:
+        sweep, score, group, *_ = chosen = self._chosen()  # once: a person may choose others meanwhile
+        look = (state.shape, state.dark, state.large_text)
+        if (*look, *chosen) == self._look:
             return
-        self._look = look
         self._shape = state.shape
-        levels = LEVELS[self._sweep.value]
-        rows, missing = rows_of(state.shape, self._sweep.value)
+        levels = LEVELS[sweep]
+        rows, missing = rows_of(state.shape, sweep)
         methods = tuple(dict.fromkeys(name for name in COMPARED_METHODS if (rows.method == name).any()))
         _offer(self._method, methods or ("–",))
         _offer(self._level, tuple(f"{level:g}" for level in levels))
-        level = levels[self._level.options.index(self._level.value)]
-        _offer(self._trial, tuple(scene_labels(rows, self._method.value, level)))
+        *_, method, level = self._chosen()  # what is on offer may have changed with the sweep
+        _offer(self._trial, tuple(scene_labels(rows, method, levels[self._level.options.index(level)])))
         self._button.disabled = not methods
-        shown = [method for method in methods if GROUPS[self._group.value](method)]
+        shown = [name for name in methods if GROUPS[group](name)]
         self._legend.content = caption(html.escape(missing)) if missing else legend_html(shown, rows, state.dark)
-        curves = [mean_scores(rows, method, SCORES[self._score.value], levels) for method in shown]
+        curves = [mean_scores(rows, name, SCORES[score], levels) for name in shown]
         highest = max((float(np.nanmax(values)) for values in curves), default=1.0)
         scales = {
             "x": {"time": False, "auto": False, "range": (float(levels[0]), float(levels[-1]))},
-            "y": {"auto": False, "range": (0.0, 1.05 if self._score.value == "PointAcc" else 1.1 * highest)},
+            "y": {"auto": False, "range": (0.0, 1.05 if score == "PointAcc" else 1.1 * highest)},
         }
-        series: list[Any] = [{"label": self._sweep.value}, *(series_of(method, state.dark) for method in shown)]
+        series: list[Any] = [{"label": sweep}, *(series_of(name, state.dark) for name in shown)]
         if not curves:  # a chart must have one
             curves, series = [np.full(len(levels), np.nan)], [*series, {"points": {"show": False}}]
         self._plot.restyle((np.array(levels, dtype=np.float64), *curves), series, scales, plain_axes(state))
-        self._look = self._looks(state)  # the choices on offer may have changed with the sweep
+        self._look = (*look, sweep, score, group, method, level)
 
     def show_sweep(self, sweep: str) -> None:
         """Choose a sweep, as its menu does."""
         self._sweep.value = sweep
         self._changed()
 
-    def _looks(self, state: State) -> tuple[object, ...]:
-        chosen = (self._sweep, self._score, self._group, self._method, self._level)
-        return (state.shape, state.dark, state.large_text, *(handle.value for handle in chosen))
+    def _chosen(self) -> tuple[str, str, str, str, str]:
+        """Sweep, score, group, method and level."""
+        return self._sweep.value, self._score.value, self._group.value, self._method.value, self._level.value
 
     def _choose(self) -> None:
         if self._trial.value != "–":
