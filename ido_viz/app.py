@@ -136,7 +136,7 @@ class App:
             await asyncio.to_thread(self._workshop.shelf.look_again)  # another page's cloud may just be written
         state, step, complaint = self._asked(request)
         name, address = _name(request), self._shown_address(request)
-        await self._left(name)
+        await self._wait_until_left(name)
         session = self._away.take(name)
         if session is not None and await asyncio.to_thread(session.ends_within, _LONGEST_FRAME):
             session.come_back(client, state, address, step)
@@ -154,7 +154,7 @@ class App:
         if complaint:
             client.add_notification("This address cannot be used", complaint, color="red", auto_close_seconds=15.0)
 
-    async def _left(self, name: str) -> None:
+    async def _wait_until_left(self, name: str) -> None:
         """Wait for the end of a page that is reloaded: a busy server notices it after the new beginning.
 
         A tab that was duplicated has the same name, and its first one stays; it is not waited for longer.

@@ -70,15 +70,19 @@ class Inside:
     @property
     def counts(self) -> DoubleArray:
         """How much each scene point counts for the question, the nearest to the model point first, shape (S,)."""
-        nearest_first = self.inspection.moved[np.argsort(self._away)]
-        return self.question.of_point(self.inspection.side.histogram.model, self.point, nearest_first)[1]
+        return self._answers[1][np.argsort(self._away)]
 
     @property
     def asked(self) -> tuple[BoolArray, DoubleArray]:
         """What the point says of every scene point, and how much each counts, as far as they have been asked: (S,)."""
-        first, counts = self.question.of_point(self.inspection.side.histogram.model, self.point, self.inspection.moved)
+        first, counts = self._answers
         share = self.share if self.beat == 1 else 1.0
         return first, np.where(np.argsort(np.argsort(self._away)) < share * len(counts), counts, 0.0)
+
+    @property
+    def _answers(self) -> tuple[BoolArray, DoubleArray]:
+        """What the point says of every scene point, and how much each counts, shape (S,) each."""
+        return self.question.of_point(self.inspection.side.histogram.model, self.point, self.inspection.moved)
 
     @property
     def _away(self) -> FloatArray:

@@ -139,10 +139,10 @@ def test_of_points_that_count_by_no_rule_of_distance_none_is_told(run: Run, monk
     inside = at(run, 0.5, question="up / down").inside
     assert inside is not None
 
-    def some(points: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    def by_number(_: object, points: np.ndarray, moved: np.ndarray) -> np.ndarray:
         return np.tile(np.arange(len(moved)) % 3 / 2, (len(points), 1))
 
-    monkeypatch.setattr(type(inside.question), "weights", lambda _, points, moved: some(points, moved))
+    monkeypatch.setattr(type(inside.question), "weights", by_number)
     content = inside_html(inside, False)
     assert "The more a point counts, the stronger its colour." in content
     assert "near" not in content
