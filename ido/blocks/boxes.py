@@ -8,6 +8,7 @@ quartic times a power of two put together from bits.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +19,9 @@ from ido.types import DoubleArray, FloatArray
 
 SIGMA2 = 0.03
 """σ² of the Gaussian weight exp(-d²/σ²), in squared model units, as in the paper."""
+
+SCALED_SIGMA2 = float(np.log2(np.e))
+"""The same in `Boxes`, where the weight is 2^-d²."""
 
 SMALLEST_WEIGHT = 1e-6
 """A smaller weight counts as nothing."""
@@ -33,7 +37,6 @@ _E4, _E3, _E2, _E1, _E0 = (np.float32(c) for c in np.polyfit(_nodes, 2.0**_nodes
 
 _ZERO, _HALF = np.float32(0), np.float32(0.5)
 _MANTISSA_BITS = np.int32(23)
-_AT_SIGMA = np.float32(-np.log2(np.e))  # exponent of the weight at a distance of σ
 
 
 def gaussian_weights(points: FloatArray, moved: FloatArray) -> DoubleArray:
@@ -43,6 +46,10 @@ def gaussian_weights(points: FloatArray, moved: FloatArray) -> DoubleArray:
     """
     weight = np.exp(-((moved[None] - points[:, None]) ** 2).sum(axis=-1) / SIGMA2)
     return np.where(weight > SMALLEST_WEIGHT, weight, 0.0)
+
+
+IsFirst = Callable[[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32], np.bool_]
+"""Whether a scene point lies on the first side: from x, y, z of s - m_a, scaled as `Boxes` are, and of the normal."""
 
 
 class Boxes(NamedTuple):
@@ -62,7 +69,7 @@ def boxes_of(model: Model) -> Boxes:
     """Lay out a model for `weigh`."""
     exact = np.asarray(model.points, dtype=np.float64)
     order = _spatial_order(exact, np.arange(len(exact)))
-    scale = float(np.sqrt(np.log2(np.e) / SIGMA2))
+    scale = float(np.sqrt(SCALED_SIGMA2 / SIGMA2))
     scaled = (exact[order] * scale).astype(np.float32)
     starts = np.arange(0, len(scaled), BOX)
     box_low, box_high = np.minimum.reduceat(scaled, starts), np.maximum.reduceat(scaled, starts)
@@ -110,12 +117,11 @@ def _gather(
 
 @compiled(inline="always", fastmath=True, error_model="numpy")
 def weigh(
-    boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int, by_plane: bool
+    boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int, is_first: IsFirst
 ) -> None:  # pragma: no cover (compiled)
     """Write Σ w over the points of each scene on the first and on the second side of each model point.
 
-    To be called with a constant `by_plane`: the first side lies in front of the point's plane, or within σ of it.
-    docs/method.md, Eq. 5, 6 and 12.
+    The sums of docs/method.md, Eq. 6, of the weights of Eq. 5, by any question.
 
     Args:
         boxes: the model.
@@ -123,7 +129,7 @@ def weigh(
         starts: scene i is ``moved[starts[i] : starts[i + 1]]``.
         out: shape (B, sides, M), float32.
         side: number of the first side in it.
-        by_plane: what decides the side.
+        is_first: the block's question, a compiled function named in the call.
     """
     reach2 = np.float32(-np.log2(SMALLEST_WEIGHT))
     n_model, n_boxes = boxes.points.shape[1], len(boxes.box_low)
@@ -162,9 +168,6 @@ def weigh(
                         bits = np.float32(mantissa).view(np.int32) + (whole << _MANTISSA_BITS)
                         weight = np.int32(bits).view(np.float32) if exponent > -reach2 else _ZERO
                         total += weight
-                        if by_plane:
-                            first += weight if dx * nx + dy * ny + dz * nz > _ZERO else _ZERO
-                        else:
-                            first += weight if exponent > _AT_SIGMA else _ZERO
+                        first += weight if is_first(dx, dy, dz, nx, ny, nz) else _ZERO
                     out[scene_number, side, boxes.order[a]] = first
                     out[scene_number, side + 1, boxes.order[a]] = total - first

@@ -45,6 +45,13 @@ class FrontOrBack(Question):
         _count(layout, moved, starts, out, side)
 
 
+@compiled(inline="always", fastmath=True)
+def _is_in_front(  # pragma: no cover (compiled)
+    dx: np.float32, dy: np.float32, dz: np.float32, nx: np.float32, ny: np.float32, nz: np.float32
+) -> np.bool_:
+    return dx * nx + dy * ny + dz * nz > np.float32(0)
+
+
 @compiled(fastmath=True, error_model="numpy")
 def _count(boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
-    weigh(boxes, moved, starts, out, side, True)
+    weigh(boxes, moved, starts, out, side, _is_in_front)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ido.blocks.block import Question, Surface
-from ido.blocks.boxes import SIGMA2, Boxes, boxes_of, gaussian_weights, weigh
+from ido.blocks.boxes import SCALED_SIGMA2, SIGMA2, Boxes, boxes_of, gaussian_weights, weigh
 from ido.clouds import Model
 from ido.compiling import compiled
 from ido.types import BoolArray, DoubleArray, FloatArray
@@ -43,6 +43,13 @@ class NearOrFar(Question):
         _count(layout, moved, starts, out, side)
 
 
+@compiled(inline="always", fastmath=True)
+def _is_near(  # pragma: no cover (compiled)
+    dx: np.float32, dy: np.float32, dz: np.float32, nx: np.float32, ny: np.float32, nz: np.float32
+) -> np.bool_:
+    return dx * dx + dy * dy + dz * dz < np.float32(SCALED_SIGMA2)
+
+
 @compiled(fastmath=True, error_model="numpy")
 def _count(boxes: Boxes, moved: FloatArray, starts: np.ndarray, out: FloatArray, side: int) -> None:
-    weigh(boxes, moved, starts, out, side, False)
+    weigh(boxes, moved, starts, out, side, _is_near)
