@@ -16,7 +16,6 @@ from ido.histograms import (
     BlockHistogram,
     FrontBack,
     Histogram,
-    QuadrupleBinary,
     SceneBatch,
     TripleBinary,
 )
@@ -54,7 +53,6 @@ __all__ = [
     "OwnError",
     "OwnMethod",
     "Perturbation",
-    "QuadrupleBinary",
     "Question",
     "RecordedMethod",
     "RecordedRun",
