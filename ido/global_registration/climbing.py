@@ -151,7 +151,9 @@ def climb_all(
                 break
             model_share = min(max(weight / len(points), 0.02), 0.98)
             ball_share = min(in_ball / len(points), 0.99 - model_share)
-            track[b, k + 1] = T
+            for row in range(3):
+                for column in range(4):
+                    track[b, k + 1, row, column] = T[row, column]
             if weight < 3:
                 continue  # too little to climb on
             cx, cy, cz = sx / weight, sy / weight, sz / weight

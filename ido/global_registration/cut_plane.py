@@ -237,7 +237,8 @@ def _moved(
     And the length that the normal had before it was made unit.
     """
     turn = np.zeros(6)
-    turn[3:] = step[3:6]
+    for i in range(3, 6):
+        turn[i] = step[i]
     E = pose_of(turn)
     moved = np.zeros((4, 4))
     for i in range(3):
