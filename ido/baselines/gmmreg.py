@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import scipy.optimize
+import scipy  # a part of it is loaded when it is used: the program starts sooner
 from scipy.spatial.transform import Rotation
 
 from ido import poses

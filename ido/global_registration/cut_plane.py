@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy  # a part of it is loaded when it is used: the program starts sooner
 
 from ido.compiling import compiled
 from ido.global_registration.fields import REACH, Field
@@ -67,7 +67,9 @@ def refine(posterior: Posterior, T: DoubleArray, *, cut: bool) -> Refined:
         return -likelihood, -_UNIT * gradient[:free]
 
     data, T = posterior.data, np.ascontiguousarray(T, dtype=np.float64)
-    found = minimize(value, np.zeros(free), jac=True, method="BFGS", options={"maxiter": _ITERATIONS, "gtol": 1e-5})
+    found = scipy.optimize.minimize(
+        value, np.zeros(free), jac=True, method="BFGS", options={"maxiter": _ITERATIONS, "gtol": 1e-5}
+    )
     step = np.zeros(9)
     step[:free] = _UNIT * found.x
     moved, tilted, _ = _moved(T, normal, tangents, step)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
+import scipy  # a part of it is loaded when it is used: the program starts sooner
 
 from ido.compiling import compiled
 from ido.types import FloatArray
@@ -44,7 +44,7 @@ class Field:
         deposit(np.ascontiguousarray(points, dtype=np.float32), np.ones(len(points), np.float32), REACH, step, counts)
         # spreading the points over the corners and reading between corners widen by step² / 6 each
         width = np.sqrt(sigma**2 - step**2 / 3) / step
-        density = gaussian_filter(counts, width, mode="constant", truncate=5)
+        density = scipy.ndimage.gaussian_filter(counts, width, mode="constant", truncate=5)
         return cls(sigma, step, density / np.float32(len(points) * step**3), len(points))
 
     def __call__(self, points: FloatArray) -> FloatArray:

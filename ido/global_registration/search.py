@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import irfftn, rfftn
+import scipy  # a part of it is loaded when it is used: the program starts sooner
 from scipy.spatial.transform import Rotation
 
 from ido.global_registration.fields import REACH, Field, deposit, read
@@ -47,7 +47,7 @@ class Search:
         def spectrum(R: DoubleArray) -> np.ndarray:
             turned = np.empty(len(lattice), dtype=np.float32)
             read(lattice @ R.T.astype(np.float32), scores, REACH, field.step, turned)
-            return _low(np.asarray(rfftn(turned.reshape(_FINE, _FINE, _FINE)))).conj()
+            return _low(np.asarray(scipy.fft.rfftn(turned.reshape(_FINE, _FINE, _FINE)))).conj()
 
         with ThreadPoolExecutor() as pool:
             return cls(rotations, np.stack(list(pool.map(spectrum, rotations))))
@@ -66,11 +66,11 @@ class Search:
         counts[0] += counts[-1]  # the cube is periodic
         counts[:, 0] += counts[:, -1]
         counts[:, :, 0] += counts[:, :, -1]
-        scene = _low(np.asarray(rfftn(counts[:-1, :-1, :-1])))
+        scene = _low(np.asarray(scipy.fft.rfftn(counts[:-1, :-1, :-1])))
 
         def best(begin: int) -> tuple[np.ndarray, np.ndarray]:
             batch = self.spectra[begin : begin + _BATCH] * scene
-            return _peaks(np.asarray(irfftn(batch, s=(_COARSE,) * 3, axes=(1, 2, 3), overwrite_x=True)))
+            return _peaks(np.asarray(scipy.fft.irfftn(batch, s=(_COARSE,) * 3, axes=(1, 2, 3), overwrite_x=True)))
 
         with ThreadPoolExecutor() as pool:
             parts = list(pool.map(best, range(0, len(self.spectra), _BATCH)))
