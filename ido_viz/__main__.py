@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 INTERRUPTED = 130
@@ -10,16 +11,17 @@ INTERRUPTED = 130
 
 def main() -> int:
     """Run the explorer until Ctrl-C."""
-    try:
-        from ido_viz.command import run
+    ends_it = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if ends_it:  # as an exception, modules that are being loaded would make other errors of it, with tracebacks
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from ido_viz.command import run
 
+    if ends_it:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
         return run()
     except KeyboardInterrupt:
         return INTERRUPTED
-    except ImportError as error:
-        if isinstance(error.__cause__, KeyboardInterrupt):  # what compiled modules make of Ctrl-C while they are loaded
-            return INTERRUPTED
-        raise
 
 
 if __name__ == "__main__":

@@ -31,6 +31,29 @@ AFTER_LETTING_GO = 0.3
 """The same once they were let go."""
 
 
+class Visit:
+    """A page of one connection. When that ends, its session goes on for a while, and may have another.
+
+    Args:
+        client: the tab.
+        state: what it begins with.
+        address: of its page, without the fragment.
+    """
+
+    def __init__(self, client: viser.ClientHandle, state: State, address: str) -> None:
+        self.client = client
+        self.address = address
+        self.page: Page | None = None  # built by the thread
+        self.drawn: Frame | None = None
+        self.closed = False
+        self.clock = Clock(max(state.iteration, 0))
+        self.is_seen = False  # whether the page has told that it can be seen
+        self.first_look = False  # whether a page that plays has yet to be seen
+        self.in_hand = False  # whether what is waited for is the end of a change
+        self.hand = Hand()
+        self.holds = False  # whether a slider is held
+
+
 class LiveState:
     """A page's state, what is computed of it, and how both are changed.
 
@@ -53,24 +76,17 @@ class LiveState:
         self._history = History(state)
         self._gesture = 0  # number of what the hand does
         self._lent = lent_by(state)
-        self._arrive(client, state, address)
-
-    def _arrive(self, client: viser.ClientHandle, state: State, address: str) -> None:
-        """Begin with a page that is yet to be built."""
-        self._client = client
-        self._address = address
         self._state = state
         self._read_controls = False
         self._dirty = True
-        self._closed = False
-        self._page: Page | None = None  # built by the thread
-        self._drawn: Frame | None = None
-        self._clock = Clock(max(state.iteration, 0))
-        self._is_seen = False  # whether the page has told that it can be seen
-        self._first_look = False  # whether a page that plays has yet to be seen
-        self._in_hand = False  # whether what is waited for is the end of a change
-        self._hand = Hand()
-        self._holds = False  # whether a slider is held
+        self._visit = Visit(client, state, address)
+
+    def _visited_by(self, client: viser.ClientHandle, state: State, address: str) -> None:
+        """Go on with another page, which is yet to be built."""
+        self._state = state
+        self._read_controls = False
+        self._dirty = True
+        self._visit = Visit(client, state, address)
 
     def _change(
         self, change: Callable[[State], State], *, show: bool = False, replays_after: float | None = None
@@ -85,8 +101,8 @@ class LiveState:
                 return
             if replays_after is not None and self._state.replay:
                 self._replay(replays_after)
-            if show and self._page is not None:
-                self._page.show(self._state)
+            if show and self._visit.page is not None:
+                self._visit.page.show(self._state)
             self._dirty = True
             self._awake.notify()
 
@@ -103,17 +119,17 @@ class LiveState:
 
     def _read(self) -> None:
         """Take over the controls' values, and show at once what became of them: later, they may have others."""
-        if self._page is None:  # still being built
+        if self._visit.page is None:  # still being built
             return
         self._read_controls = False
         before = self._state
-        self._state, usable = self._page.read(before)
+        self._state, usable = self._visit.page.read(before)
         if self._state.shape != before.shape:
             self._state = self._library.at_shape(self._state, self._state.shape)
         if self._state.replay and scene_inputs(self._state) != scene_inputs(before):
             self._replay(AFTER_A_CHANGE)
         if not usable or self._state.shape != before.shape:
-            self._page.show(self._state)
+            self._visit.page.show(self._state)
 
     def _returned(self, state: State) -> State:
         """A state without the model point that the slow motion has chosen, for nobody had."""
@@ -128,14 +144,14 @@ class LiveState:
         self._state = self._library.at_shape(self._state, first)
         self._history = replace(self._history, now=self._state)  # no change to take back, or undo would end here
         self._tell("This cloud is gone", f"{gone} is not kept on this server any more; the page shows {first}.")
-        if self._page is not None:
-            self._page.show(self._state)
+        if self._visit.page is not None:
+            self._visit.page.show(self._state)
 
     def _replay(self, wait: float) -> None:
         """Show the start, and play after so many seconds without another change; called with the lock held."""
         self._state = held_at_start(self._state)
-        self._clock.start(0.0, IN_HAND if self._holds else wait)
-        self._first_look, self._in_hand = False, True
+        self._visit.clock.start(0.0, IN_HAND if self._visit.holds else wait)
+        self._visit.first_look, self._visit.in_hand = False, True
 
     def _shown(self, state: State) -> int:
         """The iteration that a state shows."""
@@ -146,12 +162,12 @@ class LiveState:
         return at_iteration(state, iteration, self._run.iterations if self._run and not self._live.waiting else 0)
 
     def _tell(self, title: str, body: str) -> None:
-        self._client.add_notification(title, body, color="red", auto_close_seconds=8.0)
+        self._visit.client.add_notification(title, body, color="red", auto_close_seconds=8.0)
 
     def _begin(self, begin: Callable[[State], None]) -> None:
         """Begin work in the background for the newest state."""
         with self._awake:
-            if self._closed:
+            if self._visit.closed:
                 return
             if self._read_controls:
                 self._read()

@@ -75,7 +75,7 @@ class Requests(LiveState):
             undo=self._undo,
             redo=self._redo,
             redraw=self._wake,
-            shown=lambda: self._drawn,
+            shown=lambda: self._visit.drawn,
         )
 
     # The scene and the methods
@@ -130,7 +130,7 @@ class Requests(LiveState):
             if state.playing:
                 return replace(state, playing=False)
             state = played(state, self._run)
-            self._clock.start(0.0 if state.inside > 0 else state.iteration)
+            self._visit.clock.start(0.0 if state.inside > 0 else state.iteration)
             return state
 
         self._change(toggled)
@@ -158,14 +158,15 @@ class Requests(LiveState):
             return state
         if state.inspected == NO_POINT:
             self._lent = inside.inspected
-        self._clock.start(inside.iteration)
+        self._visit.clock.start(inside.iteration)
         return inside
 
     def _seen(self) -> None:
         with self._awake:
-            if self._first_look and self._clock.waits:  # nobody has stepped or changed anything yet
-                self._clock.start(0.0, FIRST_LOOK)
-            self._first_look, self._is_seen = False, True
+            visit = self._visit
+            if visit.first_look and visit.clock.waits:  # nobody has stepped or changed anything yet
+                visit.clock.start(0.0, FIRST_LOOK)
+            visit.first_look, visit.is_seen = False, True
         self._wake()
 
     # The 3D view, and what is looked into
@@ -176,7 +177,8 @@ class Requests(LiveState):
             self._awake.notify()
 
     def _grab(self, pane: int, phase: str, T_handles: FloatArray) -> None:
-        start = None if self._drawn is None else self._hand.start_pose(self._drawn, pane, phase, T_handles)
+        drawn = self._visit.drawn
+        start = None if drawn is None else self._visit.hand.start_pose(drawn, pane, phase, T_handles)
         if start is not None:
             wait = AFTER_LETTING_GO if phase == "end" else IN_HAND
             at_start = {"iteration": 0, "playing": False, "inside": 0.0}  # where it is in the hand
@@ -184,9 +186,9 @@ class Requests(LiveState):
 
     def _hand_does(self, number: int, holds: bool) -> None:
         with self._awake:
-            self._gesture, held, self._holds = number, self._holds, holds
-            if holds != held and self._in_hand and self._state.playing and self._clock.waits:
-                self._clock.start(0.0, IN_HAND if holds else AFTER_LETTING_GO)
+            self._gesture, held, self._visit.holds = number, self._visit.holds, holds
+            if holds != held and self._visit.in_hand and self._state.playing and self._visit.clock.waits:
+                self._visit.clock.start(0.0, IN_HAND if holds else AFTER_LETTING_GO)
                 self._awake.notify()
 
     def _click(self, origin: FloatArray, direction: FloatArray, places: FloatArray) -> None:
@@ -202,7 +204,7 @@ class Requests(LiveState):
         if kind == "start":
             self._open_start(int(place))
             return
-        drawn = self._drawn
+        drawn = self._visit.drawn
         if drawn is None:
             return
         self._change(lambda state: with_bin(state, drawn.sides[pane], kind, place))
@@ -219,8 +221,8 @@ class Requests(LiveState):
         self._change(lambda state: replace(state, **within_run(changes, state, self._run)))
 
     def _open_inspect(self) -> None:
-        if self._page is not None:
-            self._page.open_tab("Inspect")
+        if self._visit.page is not None:
+            self._visit.page.open_tab("Inspect")
 
     # Whole pages
 
@@ -235,7 +237,7 @@ class Requests(LiveState):
             here = self._history.with_state(self._returned(state), time.perf_counter(), self._gesture)
             self._history = there(here)
             if self._history is here:
-                self._client.add_notification(nowhere, why, auto_close_seconds=4.0)
+                self._visit.client.add_notification(nowhere, why, auto_close_seconds=4.0)
                 return state
             self._lent = NO_POINT
             return self._history.now
@@ -256,9 +258,9 @@ class Requests(LiveState):
         """Show a prepared page; unless the whole of it is wanted, it keeps the look that was chosen for the room."""
 
         def begin(now: State) -> State:
-            self._in_hand = False
+            self._visit.in_hand = False
             self._lent = lent_by(state)
-            self._clock.start(max(state.iteration, 0), FIRST_LOOK if state.iteration == 0 else 0.0)
+            self._visit.clock.start(max(state.iteration, 0), FIRST_LOOK if state.iteration == 0 else 0.0)
             if whole:
                 return state
             return replace(state, dark=now.dark, large_text=now.large_text, hidden=now.hidden)
@@ -267,15 +269,15 @@ class Requests(LiveState):
 
     def _link(self) -> str:
         with self._awake:
-            if self._page is None:
-                return self._address
+            if self._visit.page is None:
+                return self._visit.address
             self._read()  # a tick may be told of later than the click
-            return f"{self._address}#{self._page.fragment(self._state)}"
+            return f"{self._visit.address}#{self._visit.page.fragment(self._state)}"
 
     def _copy_link(self) -> None:
-        if self._page is not None:
+        if self._visit.page is not None:
             link = self._link()
-            self._page.copy(link)
-            self._client.add_notification(
+            self._visit.page.copy(link)
+            self._visit.client.add_notification(
                 "Link copied", "Opened in a browser, it shows this page.", auto_close_seconds=4.0
             )

@@ -72,7 +72,7 @@ class Session(Requests):
     def start(self) -> None:
         """Build the page and begin to serve it."""
         if self._workshop is not None:
-            self._workshop.enter(self._client.client_id, lambda: self._state.shape, self._wake)
+            self._workshop.enter(self._visit.client.client_id, lambda: self._state.shape, self._wake)
         self._thread.start()
 
     def close(self) -> None:
@@ -86,11 +86,11 @@ class Session(Requests):
     def leave(self) -> None:
         """Stop; what is computed goes on, for the page may come back."""
         if self._workshop is not None:
-            self._workshop.leave(self._client.client_id, self._wake)
+            self._workshop.leave(self._visit.client.client_id, self._wake)
         with self._awake:
-            self._closed = True  # from here on it can come back, as another client
-            if self._page is not None:
-                self._page.close()
+            self._visit.closed = True  # from here on it can come back, as another client
+            if self._visit.page is not None:
+                self._visit.page.close()
             self._awake.notify()
 
     @property
@@ -113,20 +113,21 @@ class Session(Requests):
             step: of a lesson, that its address tells; empty for none.
         """
         state = self._state if shared(self._state) == shared(state) else state
-        self._arrive(client, state, address)
+        self._visited_by(client, state, address)
         self._lesson_step = step
         self._thread = self._new_thread()
 
     def _new_thread(self) -> threading.Thread:
-        return threading.Thread(target=self._serve, name=f"session-{self._client.client_id}", daemon=True)
+        return threading.Thread(target=self._serve, name=f"session-{self._visit.client.client_id}", daemon=True)
 
     # The thread
 
     def _serve(self) -> None:
+        visit = self._visit
         try:
-            with _TURNS.turn(), self._client.atomic():
+            with _TURNS.turn(), visit.client.atomic():
                 page = Page(
-                    self._client,
+                    visit.client,
                     self._library,
                     self._state,
                     self._actions(),
@@ -138,20 +139,20 @@ class Session(Requests):
             _log.exception("page failed")
             self._give_up(error)
             return
-        self._page = page
-        if self._closed:  # while it was built
+        visit.page = page
+        if visit.closed:  # while it was built
             page.close()
         while True:
             with self._awake:
-                wait = self._clock.next_frame if self._state.playing else None
-                if not self._dirty and not self._closed:
+                wait = visit.clock.next_frame if self._state.playing else None
+                if not self._dirty and not visit.closed:
                     self._awake.wait(wait)
-                if self._closed:
+                if visit.closed:
                     return
             try:
                 with _TURNS.turn():
                     with self._awake:
-                        if self._closed:
+                        if visit.closed:
                             return
                         state, share, asked = self._take()
                     page.share(state)  # before what may take long to compute
@@ -165,8 +166,8 @@ class Session(Requests):
     def _give_up(self, error: Exception) -> None:
         """Say on the page why there is none."""
         reason = f"{type(error).__name__}: {error}"
-        self._client.gui.reset()
-        self._client.gui.add_html(
+        self._visit.client.gui.reset()
+        self._visit.client.gui.add_html(
             '<div data-no-page style="margin:8px;font-size:0.875rem"><b>This page cannot be shown.</b><br>'
             f"{html.escape(reason)}<br>Start the explorer without a code, or with another one.</div>"
         )
@@ -184,13 +185,13 @@ class Session(Requests):
             self._read()
         state = self._state
         if state.playing and state.inside > 0:
-            beats = self._clock.passed() / BEAT_SECONDS * state.speed / NORMAL_SPEED
+            beats = self._visit.clock.passed() / BEAT_SECONDS * state.speed / NORMAL_SPEED
             inside = min(state.inside + beats, float(BEATS))
             state = replace(state, inside=inside, playing=inside < BEATS)
         elif state.playing and self._run is not None:
-            self._clock.tick(state.speed, moves=not self._live.waiting)  # both panes set out together
-            state = self._at(state, int(self._clock.position))
-            share = self._clock.position % 1.0
+            self._visit.clock.tick(state.speed, moves=not self._live.waiting)  # both panes set out together
+            state = self._at(state, int(self._visit.clock.position))
+            share = self._visit.clock.position % 1.0
             if state.iteration == LAST or (self._run.iterations == 0 and not self._live.waiting):
                 state = replace(state, playing=False)
         if state.inside == 0:
@@ -200,37 +201,38 @@ class Session(Requests):
         return state, share, asked
 
     def _frame(self, page: Page, state: State, share: float, asked: bool) -> None:
+        visit = self._visit
         first = self._run is None
         begun = self._live.begin(state)
         with self._awake:
-            if self._closed:
+            if visit.closed:
                 self._live.close()
                 return
             run = self._live.collect()
             assert run is not None
             self._run = run
-            self._clock.follow(run)
+            visit.clock.follow(run)
             if first and begun and state.playing and state.iteration == 0:
-                self._clock.start(0.0, FIRST_LOOK if self._is_seen else UNSEEN)
-                self._first_look = not self._is_seen
-        held = self._in_hand and state.playing and self._clock.waits
-        drawn = self._drawn
+                visit.clock.start(0.0, FIRST_LOOK if visit.is_seen else UNSEEN)
+                visit.first_look = not visit.is_seen
+        held = visit.in_hand and state.playing and visit.clock.waits
+        drawn = visit.drawn
         if drawn and not asked and drawn.run is run and replace(drawn.state, camera=state.camera) == state:
-            self._drawn = drawn = replace(drawn, state=state)  # a person looks from elsewhere, which the page knows
+            visit.drawn = drawn = replace(drawn, state=state)  # a person looks from elsewhere, which the page knows
         if drawn and not asked and (drawn.run, drawn.state, drawn.held) == (run, state, held):
             if state.playing and not held:  # nothing but the poses moves, on the way to the next iteration
-                with self._client.atomic():
+                with visit.client.atomic():
                     page.move(drawn.on_the_way(share))
             return
         frame = frame_of(run, state, held=held)
         if drawn and not asked and drawn.run is run and replace(drawn.state, inside=state.inside) == state:
-            with self._client.atomic():
+            with visit.client.atomic():
                 page.draw_inside(frame)
-                self._drawn = frame
+                visit.drawn = frame
             return
-        with self._client.atomic():
+        with visit.client.atomic():
             page.draw(frame, self._comparison, self._basin, may_cancel=self._live.slow)
-            self._drawn = frame
+            visit.drawn = frame
             if not self._dirty:  # the slider may have been dragged on meanwhile
                 page.show_iteration(frame)
 

@@ -79,6 +79,8 @@ class AnyThreadEvent(asyncio.Event):
     loop: asyncio.AbstractEventLoop | None = None
     """On whose thread those are who wait."""
 
+    _value = False  # as asyncio names it
+
     def set(self) -> None:
         """Set it."""
         self._value = True

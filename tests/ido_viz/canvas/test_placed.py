@@ -20,14 +20,13 @@ RED = (255, 0, 0)
 class Node:
     """Stands for one of viser's: notes what is assigned."""
 
-    sent: list[tuple[str, Any]]
-
     def __init__(self, sent: list[tuple[str, Any]]) -> None:
-        object.__setattr__(self, "sent", sent)
+        self.sent = sent
 
     def __setattr__(self, name: str, value: Any) -> None:
-        self.sent.append((name, value))
         object.__setattr__(self, name, value)
+        if name != "sent":
+            self.sent.append((name, value))
 
 
 class Scene:

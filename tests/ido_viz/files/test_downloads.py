@@ -15,7 +15,7 @@ import threading
 import time
 import zipfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -309,16 +309,14 @@ class Button:
         self.clicked(SimpleNamespace(target=self))
 
 
-@dataclass
 class Page:
     """Stands for a client."""
 
-    shown: Callable[[], Frame | None]
-    buttons: list[Button] = field(default_factory=list)
-    files: dict[str, bytes] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
+    def __init__(self, shown: Callable[[], Frame | None]) -> None:
+        self.shown = shown
+        self.buttons: list[Button] = []
+        self.files: dict[str, bytes] = {}
+        self.notes: list[str] = []
         self.progress = SimpleNamespace(content="")
         self.gui = SimpleNamespace(
             add_folder=lambda *_, **__: contextlib.nullcontext(),

@@ -52,7 +52,8 @@ def test_data_of_another_length_are_sent_whole():
 class Chart:
     """Stands for viser's handle of a chart."""
 
-    visible, removed = True, False
+    visible = True
+    removed = False
 
     def remove(self) -> None:
         self.removed = True

@@ -43,17 +43,20 @@ class Place:
 
 
 class Visitor:
-    """A connection to a front."""
+    """A connection to a front, on which it was said what is wanted."""
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: Place, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self.place = place
+        self.reader = reader
+        self.writer = writer
 
-    async def ask(self, target: str = "/", *, page: bool = True) -> Visitor:
+    @classmethod
+    async def asking(cls, place: Place, target: str = "/", *, page: bool = True) -> Visitor:
         """Connect and say what is wanted."""
-        self.reader, self.writer = await asyncio.open_connection("127.0.0.1", self.place.port)
+        reader, writer = await asyncio.open_connection("127.0.0.1", place.port)
         upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\n" if page else ""
-        self.writer.write(f"GET {target} HTTP/1.1\r\nHost: here\r\n{upgrade}\r\n".encode())
-        return self
+        writer.write(f"GET {target} HTTP/1.1\r\nHost: here\r\n{upgrade}\r\n".encode())
+        return cls(place, reader, writer)
 
     async def server(self) -> int:
         """Which server answered."""
@@ -86,13 +89,13 @@ def visit(steps: Callable[[Place], Awaitable[None]], *standing: int) -> None:
 
 def test_pages_are_shared_out_and_one_that_comes_back_finds_its_server():
     async def steps(place: Place) -> None:
-        pages = [await Visitor(place).ask(f"/?token=x&page=page-{number}&fragment=y") for number in range(4)]
+        pages = [await Visitor.asking(place, f"/?token=x&page=page-{number}&fragment=y") for number in range(4)]
         its = [await page.server() for page in pages]
         assert sorted(its) == [0, 0, 1, 1]
         for page in pages:
             await page.leave()
         for number in (3, 1, 0, 2):  # whatever the order, and although all have room
-            page = await Visitor(place).ask(f"/?page=page-{number}")
+            page = await Visitor.asking(place, f"/?page=page-{number}")
             assert await page.server() == its[number]
             await page.leave()
 
@@ -101,7 +104,7 @@ def test_pages_are_shared_out_and_one_that_comes_back_finds_its_server():
 
 def test_a_class_that_comes_at_once_is_shared_out():
     async def steps(place: Place) -> None:
-        pages = await asyncio.gather(*(Visitor(place).ask(f"/?page={number}") for number in range(2 * SHARE)))
+        pages = await asyncio.gather(*(Visitor.asking(place, f"/?page={number}") for number in range(2 * SHARE)))
         its = await asyncio.gather(*(page.server() for page in pages))
         assert sorted(its) == [0] * SHARE + [1] * SHARE
 
@@ -110,7 +113,7 @@ def test_a_class_that_comes_at_once_is_shared_out():
 
 def test_what_passes_is_not_changed_either_way():
     async def steps(place: Place) -> None:
-        visitor = await Visitor(place).ask("/some/path?page=%C3%A4&x=%0d%0a")
+        visitor = await Visitor.asking(place, "/some/path?page=%C3%A4&x=%0d%0a")
         await visitor.server()
         assert place.heads == [
             b"GET /some/path?page=%C3%A4&x=%0d%0a HTTP/1.1\r\n"
@@ -127,11 +130,11 @@ def test_what_passes_is_not_changed_either_way():
 
 def test_who_only_reads_a_file_takes_no_place_of_a_page():
     async def steps(place: Place) -> None:
-        readers = [await Visitor(place).ask(page=False) for _ in range(4)]
+        readers = [await Visitor.asking(place, page=False) for _ in range(4)]
         for reader in readers:
             await reader.server()
         assert place.front._pages == [0, 0]
-        pages = [await Visitor(place).ask() for _ in range(2)]
+        pages = [await Visitor.asking(place) for _ in range(2)]
         assert sorted([await page.server() for page in pages]) == [0, 1]
 
     visit(steps, 0, 1)
@@ -141,19 +144,19 @@ def test_a_page_whose_server_is_full_or_gone_finds_another(monkeypatch: pytest.M
     monkeypatch.setattr(front_module, "_LONGEST_LEAVE", 0.2)
 
     async def steps(place: Place) -> None:
-        first = await Visitor(place).ask("/?page=first")
+        first = await Visitor.asking(place, "/?page=first")
         home = await first.server()
         await first.leave()
         others: list[Visitor] = []
         while place.front._pages[home] < SHARE:
-            others.append(await Visitor(place).ask())
+            others.append(await Visitor.asking(place))
             await others[-1].server()
-        again = await Visitor(place).ask("/?page=first")
+        again = await Visitor.asking(place, "/?page=first")
         assert await again.server() == 1 - home
         for other in (again, *others):
             await other.leave()
         place.servers[1 - home].close()  # the front has not been told
-        again = await Visitor(place).ask("/?page=first")
+        again = await Visitor.asking(place, "/?page=first")
         assert await again.server() == home
 
     visit(steps, 0, 1)
@@ -161,13 +164,13 @@ def test_a_page_whose_server_is_full_or_gone_finds_another(monkeypatch: pytest.M
 
 def test_a_page_that_is_reloaded_at_once_finds_its_server_although_it_fills_it_itself():
     async def steps(place: Place) -> None:
-        first = await Visitor(place).ask("/?page=first")
+        first = await Visitor.asking(place, "/?page=first")
         home = await first.server()
         others: list[Visitor] = []
         while place.front._pages[home] < SHARE:
-            others.append(await Visitor(place).ask())
+            others.append(await Visitor.asking(place))
             await others[-1].server()
-        again = await Visitor(place).ask("/?page=first")
+        again = await Visitor.asking(place, "/?page=first")
         await asyncio.sleep(0.3)
         await first.leave()
         assert await again.server() == home
@@ -177,7 +180,7 @@ def test_a_page_that_is_reloaded_at_once_finds_its_server_although_it_fills_it_i
 
 def test_who_comes_before_any_server_stands_waits_for_one():
     async def steps(place: Place) -> None:
-        early = await Visitor(place).ask()
+        early = await Visitor.asking(place)
         answer = asyncio.create_task(early.server())
         await asyncio.sleep(0.1)
         assert not answer.done()
@@ -201,7 +204,7 @@ def test_nonsense_and_silence_end_alone(monkeypatch: pytest.MonkeyPatch, sent: b
         else:
             with pytest.raises((asyncio.IncompleteReadError, ConnectionError)):
                 await asyncio.wait_for(reader.readexactly(1), PATIENCE)
-        good = await Visitor(place).ask()
+        good = await Visitor.asking(place)
         assert await good.server() in (0, 1)
 
     visit(steps, 0, 1)
@@ -213,7 +216,7 @@ def test_nonsense_and_silence_end_alone(monkeypatch: pytest.MonkeyPatch, sent: b
 )
 def test_pages_that_were_let_in_are_known_again_and_nobody_else(target: str, page: bool, is_kept: bool):
     async def steps(place: Place) -> None:
-        visitor = await Visitor(place).ask(target, page=page)
+        visitor = await Visitor.asking(place, target, page=page)
         await visitor.server()
         assert (list(place.front._homes) == ["a"]) == is_kept and len(place.front._homes) == is_kept
 
@@ -222,7 +225,7 @@ def test_pages_that_were_let_in_are_known_again_and_nobody_else(target: str, pag
 
 def test_who_ends_what_it_says_gets_the_whole_answer():
     async def steps(place: Place) -> None:
-        visitor = await Visitor(place).ask()
+        visitor = await Visitor.asking(place)
         visitor.writer.write(b"so far")
         visitor.writer.write_eof()
         assert await asyncio.wait_for(visitor.reader.read(), PATIENCE) in (
@@ -237,7 +240,7 @@ def test_who_takes_nothing_any_more_is_let_go(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(front_module, "_LONGEST_STILL", 0.3)
 
     async def steps(place: Place) -> None:
-        visitor = await Visitor(place).ask()
+        visitor = await Visitor.asking(place)
         await visitor.server()
         assert sum(place.front._pages) == 1
         visitor.writer.transport.pause_reading()  # type: ignore[attr-defined]  # as a machine that sleeps
@@ -257,7 +260,7 @@ def test_an_open_page_does_not_keep_the_front_from_its_end():
         place = Place()
         serving = asyncio.create_task(place.front.serve(place.listener))
         await place.start(0)
-        visitor = await Visitor(place).ask()
+        visitor = await Visitor.asking(place)
         await visitor.server()
         serving.cancel()
         await asyncio.wait_for(asyncio.gather(serving, return_exceptions=True), PATIENCE)
@@ -271,7 +274,7 @@ def test_names_are_forgotten_before_they_fill_the_memory(monkeypatch: pytest.Mon
 
     async def steps(place: Place) -> None:
         for number in range(20):
-            page = await Visitor(place).ask(f"/?page={number}")
+            page = await Visitor.asking(place, f"/?page={number}")
             await page.server()
         assert list(place.front._homes) == [str(number) for number in range(15, 20)]
 
