@@ -50,8 +50,9 @@ class Attribution:
         return self.of_bins.reshape(6, len(self.histogram.blocks), -1).sum(axis=2)
 
     def along(self, direction: FloatArray | None = None) -> DoubleArray:
-        """What each bin adds along a direction of x (6,), by default the update's own; shape (n_bins,).
+        """What each bin adds along a direction u of x (6,), uᵀcⱼ / ‖u‖, by default the update's own; shape (n_bins,).
 
+        The cⱼ are those of docs/method.md, Eq. 19.
         Along the update's own direction, the values add up to its length ‖Δx‖.
         """
         direction = self.update if direction is None else np.asarray(direction, dtype=np.float64)

@@ -117,11 +117,14 @@ class Model:
 
 
 def local_normals(points: FloatArray, hint: FloatArray) -> FloatArray:
-    """Normals of the planes fitted to each point and its 6 nearest neighbours, on the side of `hint`; shape (M, 3)."""
+    """Normals of the planes fitted to each point and its 6 nearest neighbours, on the side of `hint`; shape (M, 3).
+
+    A plane has the direction in which they spread least (Hoppe et al. 1992: docs/method.md, "Sources").
+    """
     _, neighbours = KDTree(points).query(points, k=NORMAL_NEIGHBOURS + 1)
     patches = points[neighbours] - points[neighbours].mean(axis=1, keepdims=True)
     _, axes = np.linalg.eigh(np.einsum("mki,mkj->mij", patches, patches))
-    normals = axes[:, :, 0]  # the direction in which a patch spreads least
+    normals = axes[:, :, 0]  # to the smallest eigenvalue
     return np.where((normals * hint).sum(axis=1, keepdims=True) < 0, -normals, normals)
 
 

@@ -33,7 +33,10 @@ def pose_of(x: FloatArray) -> DoubleArray:
 
 @compiled()
 def left_jacobian(turn: FloatArray) -> DoubleArray:
-    """How the turn by a rotation vector (3,) changes with it: exp(turn + δ) ≈ exp(J δ) exp(turn); shape (3, 3)."""
+    """How the turn by a rotation vector (3,) changes with it: exp(turn + δ) ≈ exp(J δ) exp(turn); shape (3, 3).
+
+    J is the V of docs/method.md, Eq. 2 (Barfoot 2017: its "Sources").
+    """
     a, b, c = turn[0], turn[1], turn[2]
     angle2 = a * a + b * b + c * c
     angle = np.sqrt(angle2)

@@ -14,8 +14,11 @@ import pytest
 
 import ido
 from ido import HISTOGRAMS, poses
+from ido.attribution import Attribution
+from ido.baselines.gaussian import best_pose
 from ido.blocks import Question
 from ido.clouds import Cloud, Frame
+from ido.kernels import left_jacobian
 from ido.methods import BASELINES, LEARNED
 from ido.training import solve
 
@@ -130,6 +133,9 @@ def test_sections_that_the_code_names_exist():
         (ido.register, {13, 16}),
         (ido.register_batch, {13, 16}),
         (ido.score, {17, 18}),
+        (Attribution.along, {19}),
+        (left_jacobian, {2}),
+        (best_pose, {25}),
     ],
 )
 def test_what_implements_an_equation_names_it(thing: object, expected: set[int]):

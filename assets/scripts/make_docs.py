@@ -222,7 +222,7 @@ def paired(results: Results, method: str, other: str) -> dict[str, Estimate]:
     return found
 
 
-def from_any_start(sweeps: Iterable[str]) -> Callable[[], str]:
+def global_table(sweeps: Iterable[str]) -> Callable[[], str]:
     """Makes the table of the methods from any start, the polished ones and the peers, with DO and ICP to compare."""
 
     def make() -> str:
@@ -317,8 +317,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "summary": summary,
     **{f"{shape}-{score}": scores(shape, score) for shape in SHAPES for score in SCORE_TITLES},
     "pairs": pairs,
-    "global-sweeps": from_any_start(LEVELS),
-    "global-beyond": from_any_start(BEYOND),
+    "global-sweeps": global_table(LEVELS),
+    "global-beyond": global_table(BEYOND),
     "reliability": reliability,
     "peer-settings": peer_settings,
 }

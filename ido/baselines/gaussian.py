@@ -109,8 +109,9 @@ def mean_distance2(scene: FloatArray, model: FloatArray) -> float:
 
 
 def best_pose(source: FloatArray, target: FloatArray, weight: FloatArray) -> DoubleArray:
-    """The rigid pose T (4, 4) that minimises Σ w |T(source) - target|² (weighted Procrustes; Kabsch).
+    """The rigid pose T (4, 4) that minimises Σ w |T(source) - target|² (weighted Procrustes).
 
+    It solves docs/method.md, Eq. 25, for T in closed form (Kabsch 1976: its "Sources").
     SciPy's `align_vectors` does the same but warns, from every thread, of each flat cloud.
     """
     share = weight / weight.sum()

@@ -7,12 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
 
 from ido.disk import write_whole
+from ido.poses import PARAMETERS
+from ido.types import FloatArray
 
 INK = "#333333"
 FAINT = "#9a9a9a"
@@ -21,6 +25,7 @@ WIDTH = 12.0
 """Of every figure, inches; type is set so that it reads well on a screen and when printed at two thirds."""
 
 _DOTS_PER_INCH = 170
+_ROW = 40  # pixels that each row of a map is drawn from
 
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",  # ships with Matplotlib: the same picture on every machine
@@ -59,6 +64,21 @@ def grid_of_axes(rows: int, columns: int, height: float, **options: Any) -> tupl
 def lettered(index: int, title: str) -> str:
     """The title of a figure's panel: (a), (b), ..."""
     return f"({'abcdefghijklmnopqrstuvwxyz'[index]}) {title}"
+
+
+def draw_map(ax: Axes, values: FloatArray, **of_bar: Any) -> Colorbar:
+    """A map (6, n_bins) as a heatmap, six rows for the coordinates of x; its colour bar, made with these options.
+
+    The largest 0.5% of the numbers share the last colour.
+    """
+    scale = float(np.quantile(np.abs(values), 0.995)) or 1.0
+    tall = np.repeat(values, _ROW, axis=0)  # so that drawing averages neighbouring bins, but not rows
+    corners = (-0.5, values.shape[1] - 0.5, 5.5, -0.5)
+    picture = ax.imshow(tall, cmap="RdBu_r", vmin=-scale, vmax=scale, aspect="auto", extent=corners)
+    bar = ax.figure.colorbar(picture, ax=ax, ticks=[-scale, 0, scale], **of_bar)
+    bar.ax.set_yticklabels([f"−{scale:.2g}", "0", f"{scale:.2g}"])
+    ax.set_yticks(range(6), PARAMETERS)
+    return bar
 
 
 @styled

@@ -10,18 +10,13 @@ from matplotlib.figure import Figure
 
 from ido.bin_order import bin_order
 from ido.experiments.families import LEARNED_FAMILIES
-from ido.experiments.figures import INK, grid_of_axes, lettered, styled
+from ido.experiments.figures import INK, draw_map, grid_of_axes, lettered, styled
+from ido.experiments.paper import COMPARED_MAPS
 from ido.histograms import Histogram
 from ido.maps import Maps, TrainingCurves
-from ido.poses import PARAMETERS
-
-COMPARED = (1, 15, 30)
-"""Numbers of the maps that the paper's figure compares."""
 
 WIDTHS = (1.0, 1.8)
 """Of the columns of DO and Improved DO, which has three times as many bins."""
-
-_ROW = 40  # pixels that each row of a map is drawn from
 
 _ROTATION_COLOR, _TRANSLATION_COLOR = "#E69F00", "#CC79A7"
 
@@ -71,7 +66,7 @@ def _draw_samples(ax: Axes, errors: np.ndarray, color: str) -> None:
 
 
 @styled
-def maps_figure(do: Maps, improved: Maps, numbers: Sequence[int] = COMPARED) -> Figure:
+def maps_figure(do: Maps, improved: Maps, numbers: Sequence[int] = COMPARED_MAPS) -> Figure:
     """Maps as heatmaps, DO on the left, Improved DO on the right: six rows, a column for each bin."""
     figure, axes = grid_of_axes(len(numbers), 2, 2.6 * len(numbers), width_ratios=WIDTHS)
     for row, number in enumerate(numbers):
@@ -81,17 +76,9 @@ def maps_figure(do: Maps, improved: Maps, numbers: Sequence[int] = COMPARED) -> 
 
 
 def _draw_map(ax: Axes, maps: Maps, number: int, title: str) -> None:
-    values = maps.maps[number - 1][:, bin_order(maps.histogram, "reference value")]
-    scale = float(np.quantile(np.abs(values), 0.995)) or 1.0
-    tall = np.repeat(values, _ROW, axis=0)  # so that drawing averages neighbouring bins, but not rows
-    corners = (-0.5, values.shape[1] - 0.5, 5.5, -0.5)
-    picture = ax.imshow(tall, cmap="RdBu_r", vmin=-scale, vmax=scale, aspect="auto", extent=corners)
-    figure = ax.figure
-    bar = figure.colorbar(picture, ax=ax, pad=0.015, aspect=14, ticks=[-scale, 0, scale])
-    bar.ax.set_yticklabels([f"−{scale:.2g}", "0", f"{scale:.2g}"])
+    draw_map(ax, maps.maps[number - 1][:, bin_order(maps.histogram, "reference value")], pad=0.015, aspect=14)
     ax.grid(False)
     ax.set_title(title)
-    ax.set_yticks(range(6), PARAMETERS)
     mark_sides(ax, maps.histogram)
 
 

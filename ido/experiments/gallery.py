@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from ido.experiments.figures_learning import COMPARED, maps_figure, training_figure
+from ido.experiments.figures_learning import maps_figure, training_figure
 from ido.experiments.figures_reliability import reliability_figure
 from ido.experiments.figures_steps import clouds_figure, histograms_figure
 from ido.experiments.figures_sweeps import settings_figure, sweeps_figure
-from ido.experiments.paper import SCORE_TITLES
+from ido.experiments.paper import COMPARED_MAPS, SCORE_TITLES
 from ido.experiments.reliability import Reliability
 from ido.methods import LEARNED
 from ido.perturbation import Perturbation, perturb
@@ -91,7 +91,7 @@ def method_figures(shape: str = "bunny") -> Iterator[NamedFigure]:
     )
     yield NamedFigure(
         f"{shape}-maps",
-        f"Learned maps {', '.join(map(str, COMPARED[:-1]))} and {COMPARED[-1]}, {where}",
+        f"Learned maps {', '.join(map(str, COMPARED_MAPS[:-1]))} and {COMPARED_MAPS[-1]}, {where}",
         "What each bin of the histogram (columns) adds to translation (ρ) and rotation (φ). Blue and red are opposite "
         "signs, each map has a scale of its own. The bins of each side are in the order of the reference line.",
         maps_figure(do, improved),

@@ -21,6 +21,9 @@ ROW_NAMES: dict[str, str] = {
 SCORE_TITLES: dict[str, str] = {"accuracy": "PointAcc", "rmse": "PointRMSE"}
 """Each score of the tables, a column of `Results`, and what the paper calls it."""
 
+COMPARED_MAPS = (1, 15, 30)
+"""Numbers of the maps that its figure of learned maps compares."""
+
 PAPER_SCENES = 100
 """Scenes at each level of the paper's sweeps."""
 

@@ -18,7 +18,7 @@ _KEPT = 4  # shapes whose fields are kept, 60 MB each
 _ASKING = threading.Lock()  # two pages that ask at once must get the same
 
 
-def from_any_start(learned: Iterable[str]) -> tuple[str, ...]:
+def names_from_any_start(learned: Iterable[str]) -> tuple[str, ...]:
     """Names of these methods, for a shape with learned methods of these names."""
     known = tuple(learned)
     return (GLOBAL, *(name for name, one in MANY_STARTS.items() if one in known))
@@ -30,7 +30,7 @@ def method_from_any_start(
     """One of these methods by name. The fields of its shape are made when they are first asked for, for all pages.
 
     Args:
-        name: one of `from_any_start`.
+        name: one of `names_from_any_start`.
         cloud: the shape's; always the same function for the same shape.
         maps: the shape's, by the names of its learned methods.
         model: what its result is shown on.

@@ -16,7 +16,7 @@ from ido.perturbation import OutlierKind
 from ido.shipped import shipped_histograms, shipped_surface
 from ido.types import FloatArray, IntArray
 from ido_viz.core.background import Report
-from ido_viz.core.from_any_start import from_any_start, method_from_any_start
+from ido_viz.core.from_any_start import method_from_any_start, names_from_any_start
 from ido_viz.core.plugins import Own, OwnClass, maps_of_own, own_of
 from ido_viz.core.state import State, StateError
 
@@ -62,7 +62,7 @@ class Subject:
     @property
     def methods(self) -> tuple[str, ...]:
         """Names of the methods that can register it, learned ones first."""
-        return (*self.maps, *self.own, *from_any_start(self.maps), *BASELINES)
+        return (*self.maps, *self.own, *names_from_any_start(self.maps), *BASELINES)
 
     @property
     def first_histogram(self) -> Histogram:
@@ -75,7 +75,7 @@ class Subject:
             return Entry(name, True, partial(_learned, name, self.maps[name]))
         if name in self.own:
             return Entry(name, False, partial(_own, name, self.own[name], self))
-        if name in from_any_start(self.maps):
+        if name in names_from_any_start(self.maps):
             return Entry(name, False, partial(_from_any_start, name, self))
         if name in BASELINES:
             return Entry(name, False, partial(_baseline, name, self))

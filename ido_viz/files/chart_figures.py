@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 
 from ido import Histogram
-from ido.poses import PARAMETERS
-from ido.types import FloatArray
+from ido.experiments.figures import draw_map
 from ido_viz.core import palette
 from ido_viz.core.chart_data import CURVES, curve, histogram_data
 from ido_viz.core.frame import Frame, SideFrame
@@ -53,7 +52,6 @@ STYLE: dict[Any, Any] = {
 """Matplotlib's settings, to be in force while a figure is made and written."""
 
 _INK, _FAINT = "#3c3c3c", "#9a9a9a"
-_ROW = 40  # pixels that each row of a map is drawn from
 _DASHES: tuple[Any, Any] = ("solid", (0, (5, 1.5)))  # of the methods, for print without colours
 _CROWDED = 8  # more names of blocks than these stand aslant
 _LONGEST_NAME = 40  # characters
@@ -106,23 +104,13 @@ def maps_figure(frame: Frame) -> Figure:
     figure = Figure(figsize=(WIDTH, 1.65 * len(learned)), layout="constrained")
     panels = figure.subplots(len(learned), 1, squeeze=False)[:, 0]
     for ax, (side, maps) in zip(panels, learned, strict=True):
-        _draw_map(ax, maps.maps[side.shown_map - 1][:, side.order])
+        bar = draw_map(ax, maps.maps[side.shown_map - 1][:, side.order], pad=0.012, aspect=10, extend="both")
+        bar.outline.set_linewidth(0.4)  # pyright: ignore[reportCallIssue]
+        ax.tick_params(axis="y", length=0)
         pinned = " (pinned)" if frame.state.pinned_map else ""
         _head(ax, side, f"map {side.shown_map} of {len(maps.maps)}{pinned}", letters=len(learned) > 1)
         _name_sides(ax, side.run.histogram)
     return figure
-
-
-def _draw_map(ax: Axes, values: FloatArray) -> None:
-    scale = float(np.quantile(np.abs(values), 0.995)) or 1.0
-    tall = np.repeat(values, _ROW, axis=0)  # so that drawing averages neighbouring bins, but not rows
-    corners = (-0.5, values.shape[1] - 0.5, 5.5, -0.5)
-    picture = ax.imshow(tall, cmap="RdBu_r", vmin=-scale, vmax=scale, aspect="auto", extent=corners)
-    bar = ax.figure.colorbar(picture, ax=ax, pad=0.012, aspect=10, extend="both", ticks=[-scale, 0, scale])
-    bar.ax.set_yticklabels([f"−{scale:.2g}", "0", f"{scale:.2g}"])
-    bar.outline.set_linewidth(0.4)  # pyright: ignore[reportCallIssue]
-    ax.set_yticks(range(6), PARAMETERS)
-    ax.tick_params(axis="y", length=0)
 
 
 def curves_figure(frame: Frame) -> Figure:

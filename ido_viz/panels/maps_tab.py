@@ -13,15 +13,13 @@ import viser
 from PIL import Image
 
 from ido import Maps
+from ido.experiments.paper import COMPARED_MAPS
 from ido.poses import PARAMETERS
 from ido_viz.core import palette
 from ido_viz.core.frame import Frame, SideFrame
 from ido_viz.core.state import NO_POINT, State
 from ido_viz.core.wording import short_side
 from ido_viz.panels.markup import caption, method_span, no_maps
-
-COMPARED = (1, 15, 30)
-"""Numbers of the maps that the paper's figure compares."""
 
 _ROW = 14  # height of a row, pixels
 _KEY = (
@@ -83,7 +81,7 @@ def _compared_html(frame: Frame) -> str:
     if numbers:
         *before, last = map(str, numbers)
         listed = f"Maps {', '.join(before)} and {last}" if before else f"Map {last}"
-        of_paper = ", as in the paper's figure" if tuple(numbers) == COMPARED else ""
+        of_paper = ", as in the paper's figure" if tuple(numbers) == COMPARED_MAPS else ""
         parts.insert(0, caption(f"<b>{listed}</b>{of_paper}"))
     for number in numbers:
         for side in frame.sides:
@@ -98,7 +96,7 @@ def _compared_html(frame: Frame) -> str:
 def _compared_numbers(side: SideFrame) -> set[int]:
     """Of the maps that are compared, those that a method has, and its last."""
     count = 0 if side.run.maps is None else len(side.run.maps.maps)
-    return {min(number, count) for number in COMPARED} - {0}
+    return {min(number, count) for number in COMPARED_MAPS} - {0}
 
 
 def heatmap_html(
