@@ -15,7 +15,7 @@ from websockets.http11 import Request
 
 from ido.console import hush
 from ido_viz.core.address import read_fragment
-from ido_viz.core.keeping import Kept
+from ido_viz.core.keeping import Keeping
 from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode
 from ido_viz.own.draft import Draft
@@ -86,7 +86,7 @@ class App:
             load()  # a mistake in one is said here, not when a tab is opened
         self._sessions: dict[int, Session] = {}
         self._names: dict[int, str] = {}  # of their pages
-        self._away = Kept[Session](AWAY, Session.close)
+        self._away = Keeping[Session](AWAY, Session.close)
         self._lock = threading.Lock()
         its_origins = read_origins(origins)
         listener = listen(host, port) if entrance is None else listen("127.0.0.1", 0)

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 Value = TypeVar("Value")
 
 
-class Kept(Generic[Value]):
+class Keeping(Generic[Value]):
     """Values by keys that only their owners know.
 
     Args:

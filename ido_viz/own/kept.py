@@ -27,7 +27,7 @@ _REMEDY = "upload what was downloaded here, or a file of `ido train`"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Kept:
+class KeptCloud:
     """A cloud and what was learned on it.
 
     Args:
@@ -60,7 +60,7 @@ class Kept:
         write_whole(path, packed(arrays))
 
     @classmethod
-    def load(cls, path: Path, otherwise: str = "cloud") -> Kept:
+    def load(cls, path: Path, otherwise: str = "cloud") -> KeptCloud:
         """Read a file that `save` or `ido train` wrote; of the latter, the model stands for the cloud.
 
         Args:
@@ -108,7 +108,7 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """What is known of a file without reading all of it; see `Kept`."""
+    """What is known of a file without reading all of it; see `KeptCloud`."""
 
     name: str
     unit: str

@@ -15,7 +15,7 @@ from ido import Cloud, Maps, Model, TrainingSettings
 from ido.experiments.workers import become_worker
 from ido.training import Learner, training_scenes
 from ido_viz.own.card import Card
-from ido_viz.own.kept import TRAINED, Kept
+from ido_viz.own.kept import TRAINED, KeptCloud
 from ido_viz.own.training_queue import Told
 
 POLITENESS = 5
@@ -26,7 +26,7 @@ _BETWEEN = 1.0  # seconds between two writings of what was learned, at least
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """A training: what `Kept` needs besides its maps, how they are learned, and the seconds after which it ends."""
+    """A training: what `KeptCloud` needs besides its maps, how they are learned, and the seconds until it is ended."""
 
     name: str
     unit: str
@@ -68,7 +68,7 @@ def learn(order: Order, file: Path, told: Connection) -> None:
             if ends:  # the maps that there are were all that was wanted
                 settings = replace(order.settings, maps=count)
                 maps = {method: replace(its, settings=settings) for method, its in maps.items()}
-            Kept(order.name, order.unit, order.up, order.cloud, maps).save(file)
+            KeptCloud(order.name, order.unit, order.up, order.cloud, maps).save(file)
             last = monotonic()
         told.send(Told(count, tuple(learner.error for learner in learners.values()), written))
         if ends:
@@ -83,7 +83,7 @@ def _is_late(began: float, before: float, limit: float | None) -> bool:
 
 def measure(file: Path, card: Path, told: Connection) -> None:
     """Write the quality card of a kept cloud."""
-    kept = Kept.load(file)
+    kept = KeptCloud.load(file)
     measure_maps(kept.cloud, kept.maps, card, told)
 
 

@@ -16,7 +16,7 @@ from ido.npz import MOST_BYTES, loaded, promises
 from ido_viz.core.library import Subject
 from ido_viz.own.card import Card
 from ido_viz.own.draft import LONGEST_NAME, UPS
-from ido_viz.own.kept import Head, Kept, title_of
+from ido_viz.own.kept import Head, KeptCloud, title_of
 
 MOST_CLOUDS = 100
 """Clouds that are kept."""
@@ -140,12 +140,12 @@ class Shelf(Mapping[str, Subject]):
         if sum(path.stat().st_size for path in self.folder.glob("*.npz")) > MOST_ON_DISK:
             raise ShelfError(f"the kept clouds take {MOST_ON_DISK >> 30} GB already; delete one first")
 
-    def show(self, kept: Kept) -> None:
+    def show(self, kept: KeptCloud) -> None:
         """Offer a cloud, or what is newly learned on it, without keeping it."""
         with self._lock:
             self._put(kept.name, kept.subject())
 
-    def keep(self, kept: Kept) -> None:
+    def keep(self, kept: KeptCloud) -> None:
         """Write a cloud to the folder, and offer it.
 
         Raises:
@@ -231,7 +231,7 @@ def _head(path: Path) -> Head:
 
 def _subject(path: Path, head: Head) -> Subject:
     """A kept cloud as a shape; its file is read when it is first shown."""
-    kept = cache(lambda: Kept.load(path))
+    kept = cache(lambda: KeptCloud.load(path))
     return Subject(
         title_of(head.unit, complete=True),
         cloud=lambda: kept().cloud,

@@ -16,7 +16,7 @@ from ido_viz.own.draft_folder import DraftFolder
 from ido_viz.own.kept import TRAINED
 from ido_viz.own.plans import PLANS, in_words, time_left
 from ido_viz.own.shelf import ShelfError
-from ido_viz.own.training_queue import Job, QueueError
+from ido_viz.own.training_queue import QueuedJob, QueueError
 from ido_viz.own.workshop import Workshop
 from ido_viz.panels.markup import caption, method_span
 from ido_viz.panels.plot import Plot, plain_axes
@@ -45,7 +45,7 @@ class TrainFolder:
     ) -> None:
         gui = client.gui
         self._client, self._workshop, self._draft, self._begun = client, workshop, draft, begun
-        self._job: Job | None = None  # this page's last one
+        self._job: QueuedJob | None = None  # this page's last one
         self._seen = False  # whether its first maps were shown
         self._state = state
         self._drawn: tuple[object, ...] | None = None
@@ -126,14 +126,14 @@ class TrainFolder:
         if job is not None:
             self._workshop.queue.cancel(job)
 
-    def _shown_job(self) -> Job | None:
+    def _shown_job(self) -> QueuedJob | None:
         """This page's own training, also when it is over, as long as no other one runs; else the one that runs."""
         trainings = self._workshop.queue.trainings
         if self._job is not None and (not self._job.over or not trainings):
             return self._job
         return trainings[0] if trainings else self._job
 
-    def _draw_curves(self, job: Job | None) -> None:
+    def _draw_curves(self, job: QueuedJob | None) -> None:
         history = () if job is None else tuple(job.history)
         look = (job, len(history), self._state.dark, self._state.large_text)
         if look == self._drawn or len(history) < 2 or job is None:
@@ -163,7 +163,7 @@ def estimate_text(settings: TrainingSettings, seconds: float, limit: float | Non
     return f"{size}: about <b>{in_words(seconds)}</b>, as busy as this machine is now."
 
 
-def training_html(job: Job | None, trainings: tuple[Job, ...], *, mine: bool, dark: bool) -> str:
+def training_html(job: QueuedJob | None, trainings: tuple[QueuedJob, ...], *, mine: bool, dark: bool) -> str:
     """Where a training is: its place in the queue, its maps and the time that is left, or how it ended."""
     if job is None:
         return ""

@@ -38,7 +38,7 @@ class Told:
 
 
 @dataclass(slots=True, eq=False)
-class Job:
+class QueuedJob:
     """A piece of work for a process of its own.
 
     Args:
@@ -57,7 +57,7 @@ class Job:
     maps: int = 0
     expected: float = 0.0
     told: Callable[[Told], None] = lambda _: None
-    ended: Callable[[Job], None] = lambda _: None
+    ended: Callable[[QueuedJob], None] = lambda _: None
     owner: Hashable | None = None
     cancelled: bool = False
     failure: str = ""
@@ -78,22 +78,22 @@ class TrainingQueue:
 
     def __init__(self, changed: Callable[[], None]) -> None:
         self._changed = changed
-        self._jobs: list[Job] = []
+        self._jobs: list[QueuedJob] = []
         self._awake = threading.Condition()
         self._closed = False
         self._thread = threading.Thread(target=self._serve, name="trainings", daemon=True)
         self._thread.start()
 
     @property
-    def trainings(self) -> tuple[Job, ...]:
+    def trainings(self) -> tuple[QueuedJob, ...]:
         """Those that run or wait, in the order in which they will run."""
         return tuple(sorted((job for job in self._jobs if job.maps), key=lambda job: not job.running))
 
-    def of(self, owner: Hashable) -> Job | None:
+    def of(self, owner: Hashable) -> QueuedJob | None:
         """A person's training that runs or waits."""
         return next((job for job in self._jobs if job.owner == owner and job.maps), None)
 
-    def submit(self, job: Job) -> None:
+    def submit(self, job: QueuedJob) -> None:
         """Have a job done as soon as it is its turn.
 
         Raises:
@@ -108,7 +108,7 @@ class TrainingQueue:
             self._awake.notify()
         self._changed()
 
-    def cancel(self, job: Job) -> None:
+    def cancel(self, job: QueuedJob) -> None:
         """End a job, or have it never begin."""
         with self._awake:
             job.cancelled = True
@@ -156,7 +156,7 @@ class TrainingQueue:
             if finished:
                 self._end(job)
 
-    def _end(self, job: Job) -> None:
+    def _end(self, job: QueuedJob) -> None:
         try:
             job.ended(job)
         except Exception as error:
@@ -165,11 +165,11 @@ class TrainingQueue:
         job.over = True
         self._changed()
 
-    def _in_the_way(self, job: Job) -> bool:
+    def _in_the_way(self, job: QueuedJob) -> bool:
         """Whether trainings wait for what is none."""
         return not job.maps and bool(self.trainings)
 
-    def _run(self, job: Job) -> bool:
+    def _run(self, job: QueuedJob) -> bool:
         """Run a job in a process; whether it is over, or must be begun anew."""
         spawn = multiprocessing.get_context("spawn")
         here, there = spawn.Pipe(duplex=False)
@@ -186,7 +186,7 @@ class TrainingQueue:
             job.failure = _death_of(process)
         return job.cancelled or not stopped
 
-    def _listen(self, job: Job, here: Connection) -> None:
+    def _listen(self, job: QueuedJob, here: Connection) -> None:
         while not (job.cancelled or self._closed or self._in_the_way(job)):
             if not here.poll(_POLL):
                 continue

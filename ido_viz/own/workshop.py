@@ -16,11 +16,11 @@ from ido.files.cloud_file import CloudFile, UsedPoints
 from ido_viz.core.library import Library
 from ido_viz.own.card import Card
 from ido_viz.own.draft import UNITS, Draft, draft_of, open_upload, shown_name
-from ido_viz.own.kept import Kept
+from ido_viz.own.kept import KeptCloud
 from ido_viz.own.learning import Order, learn, measure, measure_maps
 from ido_viz.own.plans import Cost, measured_cost
 from ido_viz.own.shelf import LEARNING, Shelf, ShelfError
-from ido_viz.own.training_queue import Job, Told, TrainingQueue
+from ido_viz.own.training_queue import QueuedJob, Told, TrainingQueue
 
 _log = logging.getLogger(__name__)
 
@@ -128,7 +128,7 @@ class Workshop:
 
     def train(
         self, draft: Draft, settings: TrainingSettings, expected: float, limit: float | None, owner: Hashable
-    ) -> Job:
+    ) -> QueuedJob:
         """Have maps learned; the cloud is offered from its first map on, and kept at the end.
 
         Args:
@@ -147,7 +147,7 @@ class Workshop:
             name = self._free_name(draft.name)
             file = self.shelf.folder / f"{secrets.token_hex(8)}{LEARNING}"
             order = Order(name, draft.unit, draft.up, draft.cloud, draft.model, settings, limit)
-            job = Job(
+            job = QueuedJob(
                 name,
                 partial(learn, order, file),
                 settings.maps,
@@ -169,15 +169,15 @@ class Workshop:
 
     def _show(self, file: Path, cloud: Cloud, told: Told) -> None:
         if told.written:
-            self.shelf.show(replace(Kept.load(file), cloud=cloud))  # one cloud for all, which has one picture
+            self.shelf.show(replace(KeptCloud.load(file), cloud=cloud))  # one cloud for all, which has one picture
 
-    def _keep(self, file: Path, cloud: Cloud, job: Job) -> None:
+    def _keep(self, file: Path, cloud: Cloud, job: QueuedJob) -> None:
         """At a training's end: keep what was learned, or nothing of it."""
         try:
             if job.cancelled or job.failure or not file.exists():
                 self.shelf.withdraw(job.title)
             else:
-                self.shelf.keep(replace(Kept.load(file), cloud=cloud))
+                self.shelf.keep(replace(KeptCloud.load(file), cloud=cloud))
                 self._measure(job.title)
         except BaseException:
             self.shelf.withdraw(job.title)
@@ -189,11 +189,11 @@ class Workshop:
         """Have a kept cloud's card made when nobody waits for a training."""
         place = self.shelf.place(name)
 
-        def ended(_: Job) -> None:
+        def ended(_: QueuedJob) -> None:
             if name not in self.shelf.kept:  # it was deleted meanwhile
                 place.card.unlink(missing_ok=True)
 
-        self.queue.submit(Job(name, partial(measure, place.maps, place.card), ended=ended))
+        self.queue.submit(QueuedJob(name, partial(measure, place.maps, place.card), ended=ended))
 
     def is_given(self, name: str) -> bool:
         """Whether the server began with a shape of one's own, which has learned maps."""
@@ -210,7 +210,7 @@ class Workshop:
             maps = {method: load() for method, load in subject.maps.items()}
             path = self._cards[name] = self.shelf.folder / Card.name_of(maps)
         if Card.load(path) is None:  # submitted without the lock: pages are told, and may ask
-            self.queue.submit(Job(name, partial(measure_maps, subject.cloud(), maps, path)))
+            self.queue.submit(QueuedJob(name, partial(measure_maps, subject.cloud(), maps, path)))
 
     def card(self, name: str) -> Card | None:
         """The quality card of a kept cloud, or of given maps; None as long as there is none."""
@@ -230,7 +230,7 @@ class Workshop:
             path = Path(place) / "file.npz"
             path.write_bytes(content)
             try:
-                kept = Kept.load(path, shown_name(Path(name).stem))
+                kept = KeptCloud.load(path, shown_name(Path(name).stem))
             except MapsError as error:
                 raise MapsError(f"{shown_name(name)}: {str(error).removeprefix('file.npz: ')}") from error
         with self._lock:

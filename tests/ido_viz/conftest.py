@@ -16,7 +16,7 @@ from ido_viz import requests, session
 from ido_viz.core import live_run
 from ido_viz.core.state import State
 from ido_viz.own.draft import Draft
-from ido_viz.own.kept import TRAINED, Kept
+from ido_viz.own.kept import TRAINED, KeptCloud
 
 TINY = TrainingSettings(samples=60, maps=2, rotation=120.0, translation=0.5)
 
@@ -66,9 +66,9 @@ def tiny_draft(bunny: Cloud) -> Draft:
 
 
 @pytest.fixture(scope="session")
-def kept(tiny_draft: Draft) -> Kept:
+def kept(tiny_draft: Draft) -> KeptCloud:
     maps = {name: train(tiny_draft.cloud, kind(tiny_draft.model), TINY) for name, kind in TRAINED.items()}
-    return Kept("tiny", "mm", "+y", tiny_draft.cloud, maps)
+    return KeptCloud("tiny", "mm", "+y", tiny_draft.cloud, maps)
 
 
 @pytest.fixture

@@ -10,18 +10,18 @@ import pytest
 
 from ido import Maps, MapsError
 from ido.npz import packed, read_arrays
-from ido_viz.own.kept import TRAINED, Kept
+from ido_viz.own.kept import TRAINED, KeptCloud
 
 
 @pytest.fixture(scope="module")
-def file(kept: Kept, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def file(kept: KeptCloud, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("kept") / "tiny.npz"
     kept.save(path)
     return path
 
 
-def test_it_comes_back_as_it_was(kept: Kept, file: Path):
-    back = Kept.load(file)
+def test_it_comes_back_as_it_was(kept: KeptCloud, file: Path):
+    back = KeptCloud.load(file)
     assert (back.name, back.unit, back.up, list(back.maps)) == ("tiny", "mm", "+y", list(TRAINED))
     np.testing.assert_array_equal(back.cloud.points, kept.cloud.points)
     np.testing.assert_array_equal(back.cloud.frame.centre, kept.cloud.frame.centre)
@@ -31,21 +31,21 @@ def test_it_comes_back_as_it_was(kept: Kept, file: Path):
         assert back.maps[method].settings.rotation == 120.0
 
 
-def test_it_is_a_maps_file_of_improved_do_for_other_programs(kept: Kept, file: Path):
+def test_it_is_a_maps_file_of_improved_do_for_other_programs(kept: KeptCloud, file: Path):
     maps = Maps.load(file)
     assert maps.histogram.name == "triple-binary"
     np.testing.assert_array_equal(maps.maps, kept.maps["Improved DO"].maps)
 
 
-def test_a_file_of_the_command_line_is_taken_with_its_model_as_the_cloud(kept: Kept, tmp_path: Path):
+def test_a_file_of_the_command_line_is_taken_with_its_model_as_the_cloud(kept: KeptCloud, tmp_path: Path):
     maps = kept.maps["DO"]
     maps.save(tmp_path / "plain.npz")
-    back = Kept.load(tmp_path / "plain.npz", "plain")
+    back = KeptCloud.load(tmp_path / "plain.npz", "plain")
     assert (back.name, list(back.maps)) == ("plain", ["DO"])
     np.testing.assert_array_equal(back.cloud.points, maps.histogram.model.points)
 
 
-def test_it_is_a_shape_of_the_page(kept: Kept):
+def test_it_is_a_shape_of_the_page(kept: KeptCloud):
     subject = kept.subject()
     assert subject.methods[:2] == ("DO", "Improved DO")
     assert subject.up == (0.0, 1.0, 0.0)
@@ -80,7 +80,7 @@ def test_a_file_that_does_not_fit_together_is_refused(file: Path, tmp_path: Path
     arrays = read_arrays(file, MapsError, "a maps file", "")
     (tmp_path / "bad.npz").write_bytes(packed(arrays | changes))
     with pytest.raises(MapsError):
-        Kept.load(tmp_path / "bad.npz")
+        KeptCloud.load(tmp_path / "bad.npz")
 
 
 def test_a_file_that_unpacks_to_too_much_is_refused_before_it_is(file: Path, tmp_path: Path):
@@ -88,11 +88,11 @@ def test_a_file_that_unpacks_to_too_much_is_refused_before_it_is(file: Path, tmp
     (tmp_path / "bomb.npz").write_bytes(packed(arrays | {"more": np.zeros(300 << 20, dtype=np.uint8)}))
     assert (tmp_path / "bomb.npz").stat().st_size < 4 << 20
     with pytest.raises(MapsError, match="at most 200 MB"):
-        Kept.load(tmp_path / "bomb.npz")
+        KeptCloud.load(tmp_path / "bomb.npz")
 
 
 @pytest.mark.parametrize("content", [b"", b"PK", b"no zip at all"])
 def test_a_file_that_is_none_is_refused(tmp_path: Path, content: bytes):
     (tmp_path / "none.npz").write_bytes(content)
     with pytest.raises(MapsError):
-        Kept.load(tmp_path / "none.npz")
+        KeptCloud.load(tmp_path / "none.npz")

@@ -13,7 +13,7 @@ from tab import PAUSED, Computing, Tab
 
 from ido_viz.core.history import AT_ONCE, OF_ONE_HAND
 from ido_viz.core.library import Library, shipped_library
-from ido_viz.own.kept import Kept
+from ido_viz.own.kept import KeptCloud
 from ido_viz.own.shelf import Shelf
 
 
@@ -23,7 +23,7 @@ def shelf(tmp_path: Path) -> Shelf:
 
 
 @pytest.fixture
-def tab(shelf: Shelf, kept: Kept, computing: Computing) -> Iterator[Tab]:
+def tab(shelf: Shelf, kept: KeptCloud, computing: Computing) -> Iterator[Tab]:
     """A page that shows the cloud with its first maps."""
     first = {name: replace(maps, maps=maps.maps[:1]) for name, maps in kept.maps.items()}
     shelf.show(replace(kept, maps=first))
@@ -35,7 +35,7 @@ def tab(shelf: Shelf, kept: Kept, computing: Computing) -> Iterator[Tab]:
     tab.wait("the end of the session", lambda: not tab.is_served)
 
 
-def test_the_panes_use_each_map_as_soon_as_it_is_learned(tab: Tab, shelf: Shelf, kept: Kept):
+def test_the_panes_use_each_map_as_soon_as_it_is_learned(tab: Tab, shelf: Shelf, kept: KeptCloud):
     before = tab.shown.run
     assert [len(side.maps.maps) for side in before.sides if side.maps is not None] == [1, 1]
     shelf.show(kept)

@@ -16,13 +16,13 @@ from ido_viz.core.library import Library, shipped_library
 from ido_viz.core.state import State, StateError, decode, encode
 from ido_viz.own import shelf as shelf_module
 from ido_viz.own.card import Card
-from ido_viz.own.kept import Kept
+from ido_viz.own.kept import KeptCloud
 from ido_viz.own.shelf import LEARNING, Shelf, ShelfError
 
 GIVEN = shipped_library().subjects
 
 
-def test_a_kept_cloud_is_offered_after_a_restart(kept: Kept, tmp_path: Path):
+def test_a_kept_cloud_is_offered_after_a_restart(kept: KeptCloud, tmp_path: Path):
     Shelf(GIVEN, tmp_path).keep(kept)
     again = Shelf(GIVEN, tmp_path)
     assert tuple(again) == (*GIVEN, "tiny") and again.kept == ("tiny",)
@@ -33,7 +33,7 @@ def test_a_kept_cloud_is_offered_after_a_restart(kept: Kept, tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["../up", "/abs", "a/b", "CON", "<b>bold</b>", "x.npz", "bunny", "ö – 雪"])
-def test_a_name_never_becomes_a_path(kept: Kept, tmp_path: Path, name: str):
+def test_a_name_never_becomes_a_path(kept: KeptCloud, tmp_path: Path, name: str):
     folder = tmp_path / "data"
     shelf = Shelf(GIVEN, folder)
     name = shelf.free_name(name)
@@ -44,7 +44,7 @@ def test_a_name_never_becomes_a_path(kept: Kept, tmp_path: Path, name: str):
     assert Shelf(GIVEN, folder).kept == (name,)
 
 
-def test_two_of_a_name_are_told_apart_and_none_takes_a_shipped_name(kept: Kept, tmp_path: Path):
+def test_two_of_a_name_are_told_apart_and_none_takes_a_shipped_name(kept: KeptCloud, tmp_path: Path):
     shelf = Shelf(GIVEN, tmp_path)
     for _ in range(2):
         shelf.keep(replace(kept, name=shelf.free_name("bunny")))
@@ -53,7 +53,7 @@ def test_two_of_a_name_are_told_apart_and_none_takes_a_shipped_name(kept: Kept, 
         shelf.keep(replace(kept, name="bunny"))
 
 
-def test_a_library_sees_each_change_and_a_shape_that_was_taken_hold_of_stays_itself(kept: Kept, tmp_path: Path):
+def test_a_library_sees_each_change_and_a_shape_that_was_taken_hold_of_stays_itself(kept: KeptCloud, tmp_path: Path):
     shelf = Shelf(GIVEN, tmp_path)
     library, told = Library(shelf), []
     shelf.watch(lambda: told.append(tuple(library.subjects)))
@@ -67,7 +67,7 @@ def test_a_library_sees_each_change_and_a_shape_that_was_taken_hold_of_stays_its
         library.checked(decode(encode(State(shape="tiny"))))
 
 
-def test_deleting_leaves_nothing_behind_and_shipped_shapes_stay(kept: Kept, tmp_path: Path):
+def test_deleting_leaves_nothing_behind_and_shipped_shapes_stay(kept: KeptCloud, tmp_path: Path):
     shelf = Shelf(GIVEN, tmp_path)
     shelf.keep(kept)
     Card({}).save(shelf.place("tiny").card)
@@ -79,7 +79,7 @@ def test_deleting_leaves_nothing_behind_and_shipped_shapes_stay(kept: Kept, tmp_
         shelf.place("tiny")
 
 
-def test_what_cannot_be_read_is_named_and_harms_nothing(kept: Kept, tmp_path: Path):
+def test_what_cannot_be_read_is_named_and_harms_nothing(kept: KeptCloud, tmp_path: Path):
     Shelf(GIVEN, tmp_path).keep(kept)
     (tmp_path / "damaged.npz").write_bytes(b"PK\x03\x04 nothing")
     np.savez(tmp_path / "foreign.npz", x=np.zeros(3))
@@ -88,7 +88,7 @@ def test_what_cannot_be_read_is_named_and_harms_nothing(kept: Kept, tmp_path: Pa
     assert [text.split(":")[0] for text in shelf.unreadable] == ["damaged.npz", "foreign.npz"]
 
 
-def test_there_is_room_for_so_many(kept: Kept, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_there_is_room_for_so_many(kept: KeptCloud, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     shelf = Shelf(GIVEN, tmp_path)
     monkeypatch.setattr(shelf_module, "MOST_CLOUDS", 1)
     shelf.keep(kept)
@@ -126,7 +126,7 @@ def test_where_the_system_s_folder_cannot_be_made_there_are_no_own_clouds_and_a_
     assert command.data_folder(Options(data=tmp_path / "mine")) == tmp_path / "mine"
 
 
-def test_what_other_servers_keep_and_delete_in_the_folder_is_found(kept: Kept, tmp_path: Path):
+def test_what_other_servers_keep_and_delete_in_the_folder_is_found(kept: KeptCloud, tmp_path: Path):
     ours, theirs = Shelf(GIVEN, tmp_path), Shelf(GIVEN, tmp_path)
     told: list[tuple[str, ...]] = []
     ours.watch(lambda: told.append(ours.kept))
@@ -143,7 +143,7 @@ def test_what_other_servers_keep_and_delete_in_the_folder_is_found(kept: Kept, t
     assert told == [("tiny",), ()]
 
 
-def test_clouds_of_one_name_on_two_servers_are_both_offered(kept: Kept, tmp_path: Path):
+def test_clouds_of_one_name_on_two_servers_are_both_offered(kept: KeptCloud, tmp_path: Path):
     ours, theirs = Shelf(GIVEN, tmp_path), Shelf(GIVEN, tmp_path)
     for shelf in (ours, theirs):
         shelf.keep(kept)
@@ -152,7 +152,7 @@ def test_clouds_of_one_name_on_two_servers_are_both_offered(kept: Kept, tmp_path
 
 
 def test_a_file_that_cannot_be_read_is_noted_once_and_one_that_is_being_written_is_not_looked_at(
-    kept: Kept, tmp_path: Path
+    kept: KeptCloud, tmp_path: Path
 ):
     shelf = Shelf(GIVEN, tmp_path)
     (tmp_path / "damaged.npz").write_bytes(b"nothing")

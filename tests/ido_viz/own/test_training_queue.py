@@ -14,7 +14,7 @@ import pytest
 from jobs import failing, until_there
 
 from ido_viz.own import training_queue
-from ido_viz.own.training_queue import Job, QueueError, TrainingQueue
+from ido_viz.own.training_queue import QueuedJob, QueueError, TrainingQueue
 
 PATIENCE = 40.0  # seconds; only a failing test waits that long
 
@@ -36,8 +36,8 @@ def queue() -> Iterator[TrainingQueue]:
 def test_trainings_run_in_turn_one_for_each_person_and_before_all_else(queue: TrainingQueue, tmp_path: Path):
     order: list[str] = []
 
-    def job(name: str, owner: int | None, maps: int = 1) -> Job:
-        return Job(
+    def job(name: str, owner: int | None, maps: int = 1) -> QueuedJob:
+        return QueuedJob(
             name, partial(until_there, tmp_path / name), maps, ended=lambda j: order.append(j.title), owner=owner
         )
 
@@ -57,8 +57,8 @@ def test_trainings_run_in_turn_one_for_each_person_and_before_all_else(queue: Tr
 
 
 def test_what_is_no_training_gives_way_to_one_and_is_begun_anew(queue: TrainingQueue, tmp_path: Path):
-    card = Job("card", partial(until_there, tmp_path / "card"))
-    training = Job("training", partial(until_there, tmp_path / "training"), 1, owner=1)
+    card = QueuedJob("card", partial(until_there, tmp_path / "card"))
+    training = QueuedJob("training", partial(until_there, tmp_path / "training"), 1, owner=1)
     queue.submit(card)
     wait("its process", lambda: card.history)
     queue.submit(training)
@@ -72,7 +72,9 @@ def test_what_is_no_training_gives_way_to_one_and_is_begun_anew(queue: TrainingQ
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_the_death_of_a_process_is_told_and_the_next_job_runs(queue: TrainingQueue, tmp_path: Path):
-    killed, after = (Job(name, partial(until_there, tmp_path / name), 1, owner=name) for name in ("killed", "after"))
+    killed, after = (
+        QueuedJob(name, partial(until_there, tmp_path / name), 1, owner=name) for name in ("killed", "after")
+    )
     queue.submit(killed)
     wait("its process", lambda: killed.history)
     queue.submit(after)
@@ -84,16 +86,16 @@ def test_the_death_of_a_process_is_told_and_the_next_job_runs(queue: TrainingQue
 
 
 def test_an_error_in_a_process_is_told_in_its_own_words(queue: TrainingQueue):
-    job = Job("failing", failing, 1, owner=1)
+    job = QueuedJob("failing", failing, 1, owner=1)
     queue.submit(job)
     wait("its end", lambda: job.over)
     assert job.failure == "ValueError: these scenes cannot be drawn"
 
 
 def test_a_cancelled_job_ends_and_one_that_waits_never_begins(queue: TrainingQueue, tmp_path: Path):
-    ended: list[Job] = []
+    ended: list[QueuedJob] = []
     running, waiting = (
-        Job(name, partial(until_there, tmp_path / name), 1, ended=ended.append, owner=name) for name in ("a", "b")
+        QueuedJob(name, partial(until_there, tmp_path / name), 1, ended=ended.append, owner=name) for name in ("a", "b")
     )
     queue.submit(running)
     wait("its process", lambda: running.history)
@@ -118,13 +120,13 @@ def test_a_training_outlives_its_page_and_counts_for_the_limit(
     queue: TrainingQueue, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(training_queue, "MOST_WAITING", 1)
-    job = Job("left", partial(until_there, tmp_path / "left"), 1, owner=1)
+    job = QueuedJob("left", partial(until_there, tmp_path / "left"), 1, owner=1)
     queue.submit(job)
     wait("its process", lambda: job.history)
     queue.leave(1)
     assert queue.of(1) is None and queue.trainings == (job,) and job.owner is None
     with pytest.raises(QueueError, match="trainings wait already"):
-        queue.submit(Job("one more", failing, 1, owner=1))
+        queue.submit(QueuedJob("one more", failing, 1, owner=1))
     (tmp_path / "left").touch()
     wait("its end", lambda: job.over)
     assert not job.failure
@@ -132,7 +134,7 @@ def test_a_training_outlives_its_page_and_counts_for_the_limit(
 
 def test_closing_ends_the_process(tmp_path: Path):
     queue = TrainingQueue(lambda: None)
-    job = Job("closed", partial(until_there, tmp_path / "never"), 1, owner=1)
+    job = QueuedJob("closed", partial(until_there, tmp_path / "never"), 1, owner=1)
     queue.submit(job)
     wait("its process", lambda: job.history)
     queue.close()

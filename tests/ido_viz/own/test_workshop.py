@@ -21,7 +21,7 @@ from ido_viz.own import card as card_module
 from ido_viz.own import learning
 from ido_viz.own.card import Card
 from ido_viz.own.draft import Draft
-from ido_viz.own.kept import TRAINED, Kept
+from ido_viz.own.kept import TRAINED, KeptCloud
 from ido_viz.own.learning import measure_maps
 from ido_viz.own.shelf import ShelfError
 from ido_viz.own.training_queue import Told
@@ -45,9 +45,9 @@ def wait(what: str, until: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
-def kept_tiny(workshop: Workshop) -> Kept:
+def kept_tiny(workshop: Workshop) -> KeptCloud:
     """What lies in the folder."""
-    return Kept.load(workshop.shelf.place("tiny").maps)
+    return KeptCloud.load(workshop.shelf.place("tiny").maps)
 
 
 def measures(workshop: Workshop, name: str) -> bool:
@@ -115,7 +115,7 @@ def test_two_drafts_of_a_name_get_two_names(workshop: Workshop, tiny_draft: Draf
         workshop.queue.cancel(job)
 
 
-def test_what_is_downloaded_can_be_taken_in_elsewhere(workshop: Workshop, kept: Kept, tmp_path: Path):
+def test_what_is_downloaded_can_be_taken_in_elsewhere(workshop: Workshop, kept: KeptCloud, tmp_path: Path):
     workshop.shelf.keep(kept)
     content = workshop.given_away("tiny")
     assert workshop.take_in("whatever.npz", content) == "tiny (2)"
@@ -135,7 +135,7 @@ def test_a_file_that_is_none_of_ours_is_refused_by_its_name(workshop: Workshop, 
     assert list(workshop.shelf.folder.iterdir()) == [] and workshop.shelf.kept == ()
 
 
-def test_deleting_tells_who_else_is_there_and_that_it_is_gone(workshop: Workshop, kept: Kept):
+def test_deleting_tells_who_else_is_there_and_that_it_is_gone(workshop: Workshop, kept: KeptCloud):
     workshop.shelf.keep(kept)
     changes: list[bool] = []
 
@@ -153,7 +153,7 @@ def test_deleting_tells_who_else_is_there_and_that_it_is_gone(workshop: Workshop
         workshop.leave(visitor, changed)
 
 
-def test_a_card_that_was_never_made_is_made_by_the_next_server(workshop: Workshop, kept: Kept):
+def test_a_card_that_was_never_made_is_made_by_the_next_server(workshop: Workshop, kept: KeptCloud):
     workshop.shelf.keep(kept)
     assert workshop.shelf.card("tiny") is None
     again = Workshop(shipped_library(), workshop.shelf.folder)
@@ -186,7 +186,7 @@ def test_a_draft_s_maps_register_its_scenes(workshop: Workshop, tiny_draft: Draf
     assert score(scene, moved.T_model_scene[-1]).accuracy > 0.9
 
 
-def test_maps_that_the_server_began_with_get_a_card_when_they_are_shown_and_once(kept: Kept, tmp_path: Path):
+def test_maps_that_the_server_began_with_get_a_card_when_they_are_shown_and_once(kept: KeptCloud, tmp_path: Path):
     given = Library({**shipped_library().subjects, "mine": kept.subject()})
     workshop = Workshop(given, tmp_path)
     assert [name for name in workshop.shelf if workshop.is_given(name)] == ["mine"]
@@ -207,7 +207,7 @@ def test_maps_that_the_server_began_with_get_a_card_when_they_are_shown_and_once
     again.close()
 
 
-def test_the_card_of_given_maps_is_that_of_these_maps(kept: Kept, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_the_card_of_given_maps_is_that_of_these_maps(kept: KeptCloud, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(card_module, "SCENES", 2)
     monkeypatch.setattr(card_module, "LEVELS", {"rotation": LEVELS["rotation"]})
     monkeypatch.setattr(learning, "_give_way", lambda: None)  # that is for a process of its own

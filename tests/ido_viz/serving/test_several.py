@@ -23,7 +23,7 @@ from websockets.exceptions import InvalidStatus
 from ido import Perturbation
 from ido_viz.core.library import shipped_library
 from ido_viz.core.state import State, encode
-from ido_viz.own.kept import Kept
+from ido_viz.own.kept import KeptCloud
 from ido_viz.own.shelf import Shelf
 
 PATIENCE = 60.0  # seconds; only a failing test waits that long
@@ -109,7 +109,7 @@ def test_a_page_comes_back_to_the_server_that_knows_what_it_can_undo(server: loa
     run(visit())
 
 
-def test_a_cloud_that_one_server_keeps_is_offered_by_both(server: load.Server, data: Path, kept: Kept):
+def test_a_cloud_that_one_server_keeps_is_offered_by_both(server: load.Server, data: Path, kept: KeptCloud):
     async def shapes() -> list[tuple[str, ...]]:
         async with pages(server, "e", "f") as tabs:
             return [tab.widgets[tab.named("Shape")].options for tab in tabs]
