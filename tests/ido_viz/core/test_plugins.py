@@ -258,7 +258,7 @@ def forgets_to_return(_: Cloud) -> None:
         (Shapeless, "OwnError: Shapeless: describe gives the shape (3,)", "80"),
     ],
 )
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore:the training error did not fall:UserWarning")
 def test_a_broken_one_shows_where_and_the_rest_works(open_own: OpenOwn, broken: OwnClass, told: str, traced: str):
     _, open_one = open_own({"Mine": broken})
     tab = open_one(replace(PAUSED, left="Mine"))
