@@ -25,6 +25,7 @@ FLAGS = [
     "--enable-unsafe-swiftshader",
     "--disable-accelerated-2d-canvas",
     "--disable-gpu-compositing",  # without a graphics card, drawing what changed alone is several times faster
+    "--js-flags=--single-threaded",  # threads that help to compile and to collect take the processors from other tests
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
