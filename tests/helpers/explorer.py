@@ -226,14 +226,14 @@ class Explorer(AnyExplorer):
             self.page.mouse.move(track["x"] + share * track["width"], y, steps=steps)
         self.page.mouse.up()
         self.page.evaluate(AFTER_WHAT_IS_DUE)  # the thumb goes to the mouse when the page is painted next
-        x = track["x"] + shares[-1] * track["width"]
+        x = track["x"] + min(max(shares[-1], 0.0), 1.0) * track["width"]
         seen: list[float] = []
         deadline = time.monotonic() + AT_THE_MOUSE
         while len(seen) < 2 or seen[-1] != seen[-2]:
             self.pause()
             seen.append(self.slider_value(label))
             here = box_of(thumb)
-            if abs(here["x"] + here["width"] / 2 - x) > here["width"] and time.monotonic() < deadline:
+            if abs(here["x"] + here["width"] / 2 - x) > here["width"] / 2 and time.monotonic() < deadline:
                 seen.clear()  # a busy browser was answered in the middle of the drag, and is answered again
         return seen[-1]
 
