@@ -22,6 +22,10 @@ def main() -> int:
         return run()
     except KeyboardInterrupt:
         return INTERRUPTED
+    except ImportError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # what some make of it that are loaded when they are used
+            return INTERRUPTED
+        raise
 
 
 if __name__ == "__main__":

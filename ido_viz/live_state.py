@@ -44,6 +44,7 @@ class Visit:
         self.client = client
         self.address = address
         self.page: Page | None = None  # built by the thread
+        self.read_controls = False  # whether the controls may have other values than the state
         self.drawn: Frame | None = None
         self.closed = False
         self.clock = Clock(max(state.iteration, 0))
@@ -77,14 +78,12 @@ class LiveState:
         self._gesture = 0  # number of what the hand does
         self._lent = lent_by(state)
         self._state = state
-        self._read_controls = False
         self._dirty = True
         self._visit = Visit(client, state, address)
 
     def _visited_by(self, client: viser.ClientHandle, state: State, address: str) -> None:
         """Go on with another page, which is yet to be built."""
         self._state = state
-        self._read_controls = False
         self._dirty = True
         self._visit = Visit(client, state, address)
 
@@ -92,7 +91,7 @@ class LiveState:
         self, change: Callable[[State], State], *, show: bool = False, replays_after: float | None = None
     ) -> None:
         with self._awake:
-            if show or self._read_controls:  # what was asked before comes first, and must not be written over
+            if show or self._visit.read_controls:  # what was asked before comes first, and must not be written over
                 self._read()
             try:
                 self._state = change(self._state)
@@ -108,7 +107,7 @@ class LiveState:
 
     def _changed(self) -> None:
         with self._awake:
-            self._read_controls = True
+            self._visit.read_controls = True
             self._dirty = True
             self._awake.notify()
 
@@ -121,7 +120,7 @@ class LiveState:
         """Take over the controls' values, and show at once what became of them: later, they may have others."""
         if self._visit.page is None:  # still being built
             return
-        self._read_controls = False
+        self._visit.read_controls = False
         before = self._state
         self._state, usable = self._visit.page.read(before)
         if self._state.shape != before.shape:
@@ -169,7 +168,7 @@ class LiveState:
         with self._awake:
             if self._visit.closed:
                 return
-            if self._read_controls:
+            if self._visit.read_controls:
                 self._read()
             begin(self._state)
         self._wake()

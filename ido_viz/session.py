@@ -181,7 +181,7 @@ class Session(Requests):
         asked, self._dirty = self._dirty, False
         share = 0.0
         self._leave_deleted()
-        if self._read_controls:
+        if self._visit.read_controls:
             self._read()
         state = self._state
         if state.playing and state.inside > 0:

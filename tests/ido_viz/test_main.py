@@ -41,6 +41,17 @@ def test_ctrl_c_while_the_browser_is_opened_ends_it_quietly(monkeypatch: pytest.
     assert run(monkeypatch, "--port", "0") == 0
 
 
+def test_a_compiled_module_that_turns_ctrl_c_into_an_import_error_ends_it_as_quietly(monkeypatch: pytest.MonkeyPatch):
+    def run_into(cause: BaseException) -> None:
+        raise ImportError("initialization failed") from cause
+
+    monkeypatch.setattr(command, "run", lambda: run_into(KeyboardInterrupt()))
+    assert main() == INTERRUPTED
+    monkeypatch.setattr(command, "run", lambda: run_into(OSError("no such library")))
+    with pytest.raises(ImportError, match="initialization failed"):
+        main()
+
+
 @pytest.mark.parametrize("handler", [signal.default_int_handler, signal.SIG_IGN])
 def test_once_its_parts_are_loaded_ctrl_c_is_what_it_was(monkeypatch: pytest.MonkeyPatch, handler: Any):
     met: list[Any] = []
