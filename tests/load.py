@@ -93,9 +93,10 @@ class Server:
         return sum(sum(each.cpu_times()[:2]) for each in its) if its else float("nan")
 
     def memory(self) -> float:
-        """Megabytes in memory, with the processes that it started."""
+        """Megabytes in memory, with the processes that it started; what they share counts once, where that is known."""
         its = [] if self.process is None else [self.process, *self.process.children(recursive=True)]
-        return sum(each.memory_info().rss for each in its) / 1e6 if its else float("nan")
+        used = [each.memory_full_info() for each in its]
+        return sum(getattr(each, "pss", each.rss) for each in used) / 1e6 if its else float("nan")
 
 
 @contextlib.contextmanager

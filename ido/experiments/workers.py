@@ -20,6 +20,10 @@ from contextlib import AbstractContextManager, contextmanager
 from itertools import islice
 from typing import TypeVar
 
+from threadpoolctl import threadpool_limits
+
+from ido.processes import process_context
+
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
@@ -85,21 +89,17 @@ def share_out(
 @contextmanager
 def local_executor(workers: int) -> Iterator[tuple[Executor, int]]:
     """Processes on this machine, of one thread each, and how many chunks to have in flight."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    os.environ.update(_ONE_THREAD)  # read by the libraries as a worker imports them
-    spawn = multiprocessing.get_context("spawn")
-    try:
-        with ProcessPoolExecutor(workers, mp_context=spawn, initializer=become_worker) as pool:
-            try:
-                yield pool, 2 * workers
-            finally:
-                pool.shutdown(cancel_futures=True)
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+    with ProcessPoolExecutor(workers, process_context("ido"), _begin_in_one_thread) as pool:
+        try:
+            yield pool, 2 * workers
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _begin_in_one_thread() -> None:
+    become_worker()
+    os.environ.update(_ONE_THREAD)  # for libraries that are not loaded yet
+    threadpool_limits(1)
 
 
 def become_worker() -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
-import multiprocessing
 import threading
 import time
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+
+from ido.processes import process_context
 
 MOST_WAITING = 20
 """Trainings of all people together."""
@@ -171,9 +172,9 @@ class TrainingQueue:
 
     def _run(self, job: QueuedJob) -> bool:
         """Run a job in a process; whether it is over, or must be begun anew."""
-        spawn = multiprocessing.get_context("spawn")
-        here, there = spawn.Pipe(duplex=False)
-        process = spawn.Process(target=_work, args=(job.work, there), name="training", daemon=True)
+        context = process_context("ido")
+        here, there = context.Pipe(duplex=False)
+        process = context.Process(target=_work, args=(job.work, there), name="training", daemon=True)
         process.start()
         there.close()
         with here:

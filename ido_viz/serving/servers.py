@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import multiprocessing
 import os
 import signal
 import socket
@@ -18,6 +17,7 @@ from multiprocessing.process import BaseProcess
 from rich.markup import escape
 
 from ido.console import note
+from ido.processes import process_context
 from ido_viz.serving.front import Front
 
 MOST_BY_DEFAULT = 4
@@ -169,9 +169,9 @@ class _Server:
         with self._lock:
             if self._closing.is_set():
                 return False
-            spawn = multiprocessing.get_context("spawn")
-            self._here, there = spawn.Pipe()
-            self._process = spawn.Process(target=_work, args=(self._serve, there), name="server")
+            context = process_context("ido_viz.app")
+            self._here, there = context.Pipe()
+            self._process = context.Process(target=_work, args=(self._serve, there), name="server")
             self._process.start()
             there.close()
             return True

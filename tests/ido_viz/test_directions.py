@@ -35,7 +35,7 @@ MAY_IMPORT = {
 WITHOUT_VISER = ("core",)
 
 METHOD_ROWS = (
-    ("types", "console", "one_thread"),
+    ("types", "console", "one_thread", "processes"),
     ("poses", "clouds", "compiling", "kernels"),
     ("disk", "npz", "files"),
     ("perturbation",),

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import psutil
 import pytest
-from command_line import IDO, TRAINING, fails
+from command_line import BESIDE_ITS_OWN, IDO, TRAINING, fails
 
 from ido import Cloud, Maps, cli, shipped_maps, train
 from ido.files import CloudFile, save_cloud
@@ -146,14 +146,14 @@ def test_workers_of_a_killed_training_end(tmp_path: Path):
     command = [*IDO, *args]
     with subprocess.Popen(command, stderr=subprocess.DEVNULL) as training:
         parent = psutil.Process(training.pid)
-        workers: list[psutil.Process] = []
+        begun: list[psutil.Process] = []
         deadline = time.monotonic() + 60
-        while len(workers) < 2 and time.monotonic() < deadline:
-            workers = [child for child in parent.children() if "spawn_main" in " ".join(child.cmdline())]
+        while len(begun) < 2 + BESIDE_ITS_OWN and time.monotonic() < deadline:
+            begun = parent.children(recursive=True)
             time.sleep(0.1)
-        assert len(workers) == 2
+        assert len(begun) == 2 + BESIDE_ITS_OWN
         training.kill()
-    _, alive = psutil.wait_procs(workers, timeout=60)
+    _, alive = psutil.wait_procs(begun, timeout=60)
     assert alive == []
 
 

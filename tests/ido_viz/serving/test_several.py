@@ -17,6 +17,7 @@ from urllib.parse import quote
 
 import load
 import pytest
+from command_line import BESIDE_ITS_OWN
 from headless import HeadlessTab, run
 from websockets.exceptions import InvalidStatus
 
@@ -128,7 +129,7 @@ def test_the_servers_end_with_the_command(tmp_path: Path, how: int):
     with load.started("--servers", "2", "--data", str(tmp_path)) as server:
         command = server.process
         assert command is not None
-        wait("both", lambda: len(command.children(recursive=True)) > 2)  # Python tracks what they share in one more
+        wait("both", lambda: len(command.children(recursive=True)) == 2 + BESIDE_ITS_OWN)
         its = command.children(recursive=True)
         os.kill(command.pid, how)
         wait("their end", lambda: not any(each.is_running() and each.status() != "zombie" for each in its))

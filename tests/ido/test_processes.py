@@ -1,0 +1,25 @@
+"""Processes of one's own begin with the program loaded, where the system can do that."""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import ProcessPoolExecutor
+
+import pytest
+
+from ido.processes import process_context
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere each process loads the program anew")
+def test_a_process_begins_with_the_program_loaded():
+    with ProcessPoolExecutor(1, process_context("ido")) as pool:
+        assert pool.submit(eval, "'ido' in __import__('sys').modules").result()
+
+
+def test_a_process_has_nothing_of_the_one_that_begins_it():
+    sys.set_int_max_str_digits(1234)
+    try:
+        with ProcessPoolExecutor(1, process_context("ido")) as pool:
+            assert pool.submit(sys.get_int_max_str_digits).result() != 1234
+    finally:
+        sys.set_int_max_str_digits(sys.int_info.default_max_str_digits)
