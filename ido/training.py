@@ -151,7 +151,8 @@ def training_scenes(cloud: Cloud, settings: TrainingSettings) -> tuple[SceneBatc
 def solve(h: FloatArray, step: FloatArray, ridge: float) -> FloatArray:
     """The map D = [(1/N) Σ step hᵀ] [(1/N) Σ h hᵀ + λI]⁻¹ that predicts each step from its histogram.
 
-    docs/method.md, Eq. 15.
+    docs/method.md, Eq. 15. With fewer scenes than bins, it is solved in as many unknowns as there are scenes: with the
+    histograms as rows of H, (Hᵀ H / N + λI)⁻¹ Hᵀ = Hᵀ (H Hᵀ / N + λI)⁻¹.
 
     Args:
         h: histograms, shape (N, n_bins), float32.
@@ -161,12 +162,20 @@ def solve(h: FloatArray, step: FloatArray, ridge: float) -> FloatArray:
     Returns:
         shape (6, n_bins), float32.
     """
-    gram = (h.T @ h).astype(np.float64) / len(h)
+    n, n_bins = h.shape
+    step = step.astype(np.float32)
+    if n < n_bins:
+        return _solve(h @ h.T, step, n, ridge).T @ h
+    return np.ascontiguousarray(_solve(h.T @ h, h.T @ step, n, ridge).T)
+
+
+def _solve(products: FloatArray, right: FloatArray, n: int, ridge: float) -> FloatArray:
+    """(P / N + λI)⁻¹ R / N, found in double precision; float32."""
+    gram = products.astype(np.float64) / n
     gram[np.diag_indices_from(gram)] += ridge
-    cross = h.T @ step.astype(np.float32) / np.float32(len(h))
     factor = scipy.linalg.cho_factor(gram, overwrite_a=True, check_finite=False)
-    D = scipy.linalg.cho_solve(factor, cross.astype(np.float64), check_finite=False)
-    return np.ascontiguousarray(D.T, dtype=np.float32)
+    solution = scipy.linalg.cho_solve(factor, (right / np.float32(n)).astype(np.float64), check_finite=False)
+    return solution.astype(np.float32)
 
 
 def _folded(

@@ -22,7 +22,6 @@ FEWEST_SCENES = 200
 """Of a training, however slow the machine is."""
 
 _TRIED = 100  # scenes of the calibration
-_ROWS = (64, 1024)  # histograms of its two regressions
 _SPARE = 0.8  # of the time, that is planned with
 
 
@@ -95,10 +94,11 @@ def measured_cost(cloud: Cloud, model: Model) -> Cost:
         histogram.batch(scenes.part(0, 2), x[:2])  # compiles
         describing, seen = _timed(lambda histogram=histogram: histogram.batch(scenes, x))
         z = Folding.of(histogram).fold(seen)
-        few, many = (_regression_seconds(z, rows) for rows in _ROWS)
-        in_row = max(many - few, 0.0) / (_ROWS[1] - _ROWS[0])
+        fewest = z.shape[1]  # with fewer, a regression is another one; see `ido.training.solve`
+        few, many = (_regression_seconds(z, rows) for rows in (fewest, 2 * fewest))
+        in_row = max(many - few, 0.0) / fewest
         scene_in_map += describing / _TRIED + in_row
-        map_itself += max(few - _ROWS[0] * in_row, 0.0)
+        map_itself += max(few - fewest * in_row, 0.0)
     return Cost(drawing / _TRIED, scene_in_map, map_itself)
 
 
