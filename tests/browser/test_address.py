@@ -41,34 +41,29 @@ def expect_address(explorer: Explorer, state: State) -> None:
     explorer.wait_until("the address", lambda: state_of(explorer) == state)
 
 
-def open_at(explorer: Explorer, fragment: str) -> None:
-    explorer.page.goto(f"{explorer.app.url}/#{fragment}")
+def open_at(explorer: Explorer, fragment: str, query: str = "") -> None:
+    explorer.page.goto(f"{explorer.app.url}/{query}#{fragment}")
     explorer.wait_ready()
 
 
-def test_an_address_opens_exactly_its_page_which_is_there_again_after_a_reload(open_explorer: OpenExplorer):
+def test_an_address_opens_exactly_its_page_which_a_reload_keeps_while_it_frees_the_session_before(
+    open_explorer: OpenExplorer,
+):
     explorer = open_explorer(wait=False)
-    open_at(explorer, f"state={encode(ELSEWHERE)}")
-    explorer.expect_numbers(ELSEWHERE)
-    value = explorer.drag("Noise", 0.7)
-    expected = replace(ELSEWHERE, perturbation=replace(ELSEWHERE.perturbation, noise=value))
-    expect_address(explorer, expected)
-    explorer.page.reload()
-    explorer.wait_ready()
-    explorer.expect_numbers(expected)
-    assert explorer.expect_to_agree() == expected == state_of(explorer) == decode(explorer.code())
-
-
-def test_reloading_a_page_keeps_what_it_shows_and_frees_the_session_before(explorer: Explorer):
-    begun = explorer.state()
-    explorer.drag("Noise", 0.1)
-    explorer.wait_until("less noise", lambda: explorer.state() != begun)
-    changed = explorer.expect_to_agree()
-    expect_address(explorer, changed)
-    explorer.page.reload()
-    explorer.wait_ready()
-    assert explorer.expect_to_agree() == changed
-    explorer.wait_until("the session before to be freed", lambda: explorer.app.n_sessions == 1)
+    explorer.app = app = App(AT_THE_END, port=0)
+    try:
+        open_at(explorer, f"state={encode(ELSEWHERE)}")
+        explorer.expect_numbers(ELSEWHERE)
+        value = explorer.drag("Noise", 0.7)
+        expected = replace(ELSEWHERE, perturbation=replace(ELSEWHERE.perturbation, noise=value))
+        expect_address(explorer, expected)
+        explorer.page.reload()
+        explorer.wait_ready()
+        explorer.expect_numbers(expected)
+        assert explorer.expect_to_agree() == expected == state_of(explorer) == decode(explorer.code())
+        explorer.wait_until("the session before to be freed", lambda: app.n_sessions == 1)
+    finally:
+        app.stop()
 
 
 def test_the_address_follows_in_few_steps(explorer: Explorer):
@@ -112,15 +107,22 @@ def test_a_lesson_s_step_is_opened_by_its_name_and_is_there_after_a_reload(open_
     explorer.wait_until("the page's own state", lambda: state_of(explorer) == explorer.state() != expected)
 
 
-def test_a_bad_address_opens_the_page_with_its_defaults_and_says_what_is_wrong(open_explorer: OpenExplorer):
+def test_a_bad_address_opens_the_page_of_its_own_server_with_its_defaults_and_says_what_is_wrong(
+    open_explorer: OpenExplorer,
+):
     explorer = open_explorer(wait=False)
-    for fragment, message in (
-        ("state=" + quote("<img src=x onerror=alert(1)>"), "a code starts with"),
-        ("lesson=" + quote("<b>none"), "unknown lesson '<b>none'"),
+    sockets: list[str] = []
+    explorer.page.on("websocket", lambda socket: sockets.append(socket.url))
+    elsewhere = "?websocket=ws://127.0.0.1:9/&playbackPath=http://127.0.0.1:9/evil.viser"
+    for query, fragment, message in (
+        (elsewhere, "state=" + quote("<img src=x onerror=alert(1)>"), "a code starts with"),
+        ("", "lesson=" + quote("<b>none"), "unknown lesson '<b>none'"),
     ):
         explorer.page.goto("about:blank")
-        open_at(explorer, fragment)
+        open_at(explorer, fragment, query)
         expect_refusal(explorer, message)
+        assert "evil" not in explorer.page.url and ":9/" not in explorer.page.url
+    assert sockets and all(f":{explorer.app.server.get_port()}/" in url for url in sockets)
     for fragment, message in (
         ("state=ido1-damaged", "damaged"),
         ("state=" + "a" * 50_000, "more than 2000 characters"),
@@ -136,17 +138,6 @@ def expect_refusal(explorer: Explorer, message: str) -> None:
     assert "This address cannot be used" in explorer.notifications()[0] and message in explorer.notifications()[0]
     explorer.expect_numbers(AT_THE_END)
     expect_address(explorer, AT_THE_END)
-
-
-def test_an_address_cannot_lead_the_page_to_another_server(open_explorer: OpenExplorer):
-    explorer = open_explorer(wait=False)
-    sockets: list[str] = []
-    explorer.page.on("websocket", lambda socket: sockets.append(socket.url))
-    explorer.page.goto(f"{explorer.app.url}/?websocket=ws://127.0.0.1:9/&playbackPath=http://127.0.0.1:9/evil.viser")
-    explorer.wait_ready()
-    expect_address(explorer, AT_THE_END)
-    assert "evil" not in explorer.page.url and ":9/" not in explorer.page.url
-    assert all(f":{explorer.app.server.get_port()}/" in url for url in sockets)
 
 
 def test_a_server_that_is_started_anew_finds_the_page_as_it_was(open_explorer: OpenExplorer):
@@ -199,9 +190,9 @@ def test_a_tick_just_made_is_in_the_link_that_is_copied(explorer: Explorer):
     assert decode(read_fragment(link.partition("#")[2]).code).hidden == ("scene",)
 
 
-def test_code_and_link_of_a_playing_page_are_those_of_what_is_shown(open_explorer: OpenExplorer):
+def test_code_and_link_of_a_playing_page_are_those_of_what_is_shown(explorer: Explorer):
     playing = State(speed=1)
-    explorer = open_explorer(playing)
+    explorer.paste(encode(playing))
     expect_address(explorer, playing)
     assert explorer.state() == playing
     value = explorer.drag("Noise", 0.7)
