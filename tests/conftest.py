@@ -12,8 +12,8 @@ from xdist.scheduler import LoadFileScheduling
 from ido import Cloud, FrontBack, Maps, Model, TrainingSettings, shipped_cloud, train
 
 IN_A_BROWSER = "tests/browser/"
-WAITING = ("tests/pages/", "tests/ido_viz/test_", "tests/ido_viz/own/", "tests/test_load", "tests/test_monkey")
-"""Tests that wait most of their time: for a page to be at rest, or for a process."""
+WAITING = ("tests/pages/", "tests/ido_viz/test_")
+"""Tests that wait most of their time, for a page to be at rest."""
 SMALL_MODEL = 80
 SMALL_TRAINING = TrainingSettings(samples=600, maps=8)
 
@@ -29,7 +29,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class ByFile(LoadFileScheduling):
-    """A file is one worker's; those in a browser are two workers' in all: starting one, and its pages, is work."""
+    """A file is one worker's; those in a browser are two workers' in all: starting one, and its pages, is work.
+
+    Those that wait are one worker's, so that the others have work to do meanwhile.
+    """
 
     def __init__(self, config: pytest.Config, log: Any) -> None:
         super().__init__(config, log)
@@ -37,9 +40,9 @@ class ByFile(LoadFileScheduling):
 
     def _split_scope(self, nodeid: str) -> str:
         file = super()._split_scope(nodeid)
-        if not file.startswith(IN_A_BROWSER):
-            return file
-        return f"browser {self._browser_of.setdefault(file, len(self._browser_of) % 2)}"
+        if file.startswith(IN_A_BROWSER):
+            return f"browser {self._browser_of.setdefault(file, len(self._browser_of) % 2)}"
+        return "waiting" if file.startswith(WAITING) else file
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByFile:
