@@ -14,8 +14,6 @@ from ido import Cloud, FrontBack, Maps, Model, TrainingSettings, shipped_cloud, 
 IN_A_BROWSER = "tests/browser/"
 WAITING = ("tests/pages/", "tests/ido_viz/test_")
 """Tests that wait most of their time, for a page to be at rest."""
-WITH_PROCESSES = ("tests/ido_viz/own/", "tests/ido_viz/serving/", "tests/test_load", "tests/test_monkey")
-"""Tests that wait much of it, for processes to begin or to end."""
 SMALL_MODEL = 80
 SMALL_TRAINING = TrainingSettings(samples=600, maps=8)
 
@@ -58,11 +56,10 @@ def pytest_collection() -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """First those in a browser, which take longest, beside those that wait; then the others: all end at once."""
-    order = (IN_A_BROWSER, WAITING, WITH_PROCESSES)
 
     def place(item: pytest.Item) -> int:
         file = item.path.relative_to(config.rootpath).as_posix()
-        return next((number for number, tests in enumerate(order) if file.startswith(tests)), len(order))
+        return 0 if file.startswith(IN_A_BROWSER) else 1 if file.startswith(WAITING) else 2
 
     items.sort(key=place)
 
