@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import sys
+import tempfile
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from multiprocessing.context import ForkServerContext, SpawnContext  # Windows has one of them
+
+_LONGEST_FOLDER = 70
+"""Bytes of the path of the folder for temporary files; it has a socket in it, whose path has 107 at most."""
 
 
 def process_context(loaded: str) -> ForkServerContext | SpawnContext:
@@ -19,7 +24,7 @@ def process_context(loaded: str) -> ForkServerContext | SpawnContext:
     Args:
         loaded: name of the module that they need.
     """
-    if sys.platform != "linux":
+    if sys.platform != "linux" or len(os.fsencode(tempfile.gettempdir())) > _LONGEST_FOLDER:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([loaded])
