@@ -190,9 +190,9 @@ def test_a_tick_just_made_is_in_the_link_that_is_copied(explorer: Explorer):
     assert decode(read_fragment(link.partition("#")[2]).code).hidden == ("scene",)
 
 
-def test_code_and_link_of_a_playing_page_are_those_of_what_is_shown(explorer: Explorer):
+def test_code_and_link_of_a_playing_page_are_those_of_what_is_shown(open_explorer: OpenExplorer):
     playing = State(speed=1)
-    explorer.paste(encode(playing))
+    explorer = open_explorer(playing)
     expect_address(explorer, playing)
     assert explorer.state() == playing
     value = explorer.drag("Noise", 0.7)

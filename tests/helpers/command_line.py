@@ -9,11 +9,12 @@ import pytest
 
 from ido import cli
 from ido.clouds import Frame
+from ido.processes import process_context
 
 FRAME = Frame(np.array([1000.0, -200.0, 50.0]), 37.0)
 """The user's units: the bunny is 74 units long and lies far from the origin."""
 
-BESIDE_ITS_OWN = 2 if sys.platform == "linux" else 1
+BESIDE_ITS_OWN = 2 if process_context("ido").get_start_method() == "forkserver" else 1
 """Processes that Python begins beside those of a command: one tracks what they share, from another they are forked."""
 
 IDO = (sys.executable, "-c", "import sys; from ido.cli import main; sys.exit(main(sys.argv[1:]))")
